@@ -20,6 +20,7 @@ module limber_analysis_modal_analysis
    use limber_output_channel_values, only: recorder_type, new_recorder, channel_values, sample_width
    use limber_output_history, only: history_type
    use limber_output_followed_turns, only: follow_places
+   use limber_monitor_run_monitor, only: find_weak
    use limber_multibody_plane_vectors, only: turn, along
    use limber_multibody_equilibrium, only: equilibrium_type, new_equilibrium
    use limber_multibody_kinematics, only: place_frames, move_frames
@@ -87,6 +88,7 @@ contains
          & outcome)
       if (.not. allocated(error)) call record_modes(scene, step, balance, vibrations, history, error)
       if (allocated(error)) return
+      call check_grip(scene, step, outcome)
       report = table(scene, vibrations, step%damped)
       if (size(vibrations%frequency) < step%modes .and. report /= '') report = report//newline// &
          & '      these are all: nothing else in the scene can vibrate'
@@ -94,6 +96,20 @@ contains
       outcome%cpu = outcome%cpu + cpu
       outcome%wall = seconds_since(tick)
    end subroutine run_modes
+
+   !> Warns at a singular position: there the linear equations hold more motions, or others, than the constraints do.
+   subroutine check_grip(scene, step, outcome)
+      type(scene_type), intent(inout) :: scene
+      type(analysis_step_type), intent(in) :: step
+      type(outcome_type), intent(inout) :: outcome
+      !> Grip that is none, relative to the inverse of the mean mass
+      real(wp), parameter :: none = 1.0e-7_wp
+      character(:), allocatable :: names
+      real(wp) :: grip
+      call find_weak(scene%system, scene%work, step%dynamics%start, scene%q, names, grip)
+      if (names /= '' .and. grip < none) call warn(outcome, names//" have lost their grip on the motion in the state of *MODES '" &
+         & //step%name//"', where branches of it meet: its frequencies may be wrong or too many; use a state a little aside of it")
+   end subroutine check_grip
 
    !> The vibrations that the models of bodies are judged by: those without damping. Motions beyond critical damping have no
    !> frequency, and another |s| than the stiffness gives them.

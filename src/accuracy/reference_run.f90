@@ -9,9 +9,8 @@ module limber_accuracy_reference_run
    private
    public :: reference_run_type, shown_type, error_against, largest_difference, place_of
 
-   !> Powers of the tolerance that errors of the integration are taken to fall with: at most, and where nothing else is known; at
-   !> least; where nothing else is known and an error is told: a run at a fifth of the tolerance errs by its difference then
-   real(wp), parameter :: usual = 0.6_wp, slowest = 0.15_wp, cautious = 0.43_wp
+   !> Powers of the tolerance that errors of the integration are taken to fall with: at most, where nothing else is known, and at least
+   real(wp), parameter :: usual = 0.6_wp, slowest = 0.15_wp
 
    !> The finest run so far
    type :: reference_run_type
@@ -41,9 +40,8 @@ module limber_accuracy_reference_run
       !> Tolerances of the runs of the first and of the last pair, and their largest differences, relative
       real(wp) :: tolerance(2) = 0.0_wp, of_time(2) = 0.0_wp
       integer :: pairs = 0
-      !> The power of the tolerance that errors of the integration fall with, as far as pairs show: what is expected, and what errors
-      !> are told with; the rungs of the last pair
-      real(wp) :: falling = usual, told = cautious
+      !> The power of the tolerance that errors of the integration fall with, as far as pairs show, and the rungs of the last pair
+      real(wp) :: falling = usual
       type(level_type), allocatable :: last(:)
       !> The pair that differed most, and by more than the target: the run and the finer one (channels, samples), with these rungs,
       !> by so much, relative. Not allocated: none did
@@ -93,10 +91,8 @@ contains
       real(wp) :: decades
       if (self%pairs > 0) then
          decades = log(tolerance/self%tolerance(2))
-         if (same_rungs(rungs, self%last) .and. abs(decades) > same .and. min(of_time, self%of_time(2)) > nothing*target) then
-            self%falling = max(slowest, min(usual, log(of_time/self%of_time(2))/decades))
-            self%told = self%falling
-         end if
+         if (same_rungs(rungs, self%last) .and. abs(decades) > same .and. min(of_time, self%of_time(2)) > nothing*target) &
+            & self%falling = max(slowest, min(usual, log(of_time/self%of_time(2))/decades))
       end if
       self%last = rungs
    end subroutine learn

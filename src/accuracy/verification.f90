@@ -23,7 +23,7 @@ module limber_accuracy_verification
    !> Ratio of the tolerances of a run and its check
    real(wp), parameter, public :: ladder = 0.2_wp
    !> What differences are multiplied by where the integration is judged, and the part of the target from which on it is mended first
-   real(wp), parameter, public :: widening = 2.0_wp, time_first = 0.75_wp
+   real(wp), parameter, public :: widening = 1.25_wp, time_first = 0.75_wp
    !> Tolerance from which on RADAU may step over vibrations of the strain; work of a run of higher rungs in units of the run's
    real(wp), parameter :: loose = 1.0e-4_wp, most_higher = 16.0_wp
    !> Part of the error of the integration that is left where a smaller tolerance has been of use
@@ -77,7 +77,7 @@ contains
       type(candidate_type) :: finer, check
       type(level_type) :: rungs(size(reached%advice%rungs))
       real(wp), allocatable :: of_time(:), rest(:)
-      real(wp) :: step, part, beyond, told, rest_of_time
+      real(wp) :: step, part, beyond, falling, rest_of_time
       !> Tolerances of a check that is there already, in units of that of the run
       real(wp), parameter :: finest = 0.005_wp, coarsest = 0.41_wp
       !> Part of the target from which on an error of the models is one that may surprise
@@ -110,11 +110,11 @@ contains
          end if
          associate (channels => size(truth%scale))
             ! What the finer of the two errs by, and the run itself as it would differ from one with a tenth of its tolerance
-            told = reached%shown%told
-            rest_of_time = rest_of(min(step, 1/step), told)
+            falling = reached%shown%falling
+            rest_of_time = rest_of(min(step, 1/step), falling)
             allocate (rest, source=largest_difference(finer%samples%values(:channels, :n), &
                & candidate%samples%values(:channels, :n)))
-            allocate (of_time, source=rest*(1 + rest_of_time)/(1 + rest_of(ladder, told)))
+            allocate (of_time, source=rest*(1 + rest_of_time)/(1 + rest_of(ladder, falling)))
             reached%of_time = maxval([0.0_wp, of_time/truth%scale])
             reached%place_of_time = place_of(finer%samples%values(:channels, :n), candidate%samples%values(:channels, :n), &
                & truth%scale, candidate%samples%times, candidate%names)
@@ -150,8 +150,7 @@ contains
                part = 1.0_wp
                ! With strain for the first time a tolerance costs little, and the run may be one that just keeps the target
                beyond = merge(0.5_wp*doubt, of_truth, any(rungs%stretches .and. .not. advice%rungs%stretches))
-               if (reached%of_time > beyond*target) part = max(ladder, &
-                  & (beyond*target/reached%of_time)**(1/reached%shown%falling))
+               if (reached%of_time > beyond*target) part = max(ladder, (beyond*target/reached%of_time)**(1/falling))
                if (part < 1.5_wp*ladder) part = ladder
                ! What vibrates along itself tells nothing where steps are longer than that
                if (any([(vibrates(advice, i, reached%doubted), i=1, size(rungs))] .and. rungs%stretches)) &
@@ -178,11 +177,10 @@ contains
                   & truth%scale, candidate%samples%times, candidate%names)
                if (reached%of_model - reached%of_time > noticed*target) &
                   & call note_surprise(advice, reached%of_model - reached%of_time)
-               of_time = part**told*(1 + rest_of(ladder, told))*of_time
-               rest = max(beyond*rest + of_time, doubt*target*truth%scale)
+               rest = max(beyond*rest + part**falling*of_time, doubt*target*truth%scale)
                call truth%take(rungs, part*advice%tolerance, check%samples%values(:channels, :n), check%work, rest)
                if (on .and. .not. falls_short(truth, advice, reached%doubted)) call look_further(deck, target, quiet, pool, &
-                  & candidate, check, of_time, reached, truth, error)
+                  & candidate, check, part**falling*of_time, reached, truth, error)
                if (allocated(error)) return
             else if (size(rungs) > 0) then
                truth%rest = max(truth%rest, doubt*target*truth%scale)
@@ -236,12 +234,13 @@ contains
       end associate
    end subroutine bound_strain
 
-   !> Error of a check as a part of its difference from the run, by the power that errors fall with: the rest of a geometric series,
+   !> Error of a check as a part of its difference from the run, by the power that errors fall with; usually they fall faster,
    !> eq. (7.88).
    pure real(wp) function rest_of(step, falling)
       !> Tolerance of the check in units of that of the run, below 1
       real(wp), intent(in) :: step, falling
-      rest_of = step**falling/(1 - step**falling)
+      real(wp), parameter :: usually = 0.75_wp
+      rest_of = usually*step**falling/(1 - step**falling)
    end function rest_of
 
    !> A truth of still higher rungs, where all that speaks against a run is the doubt about the truth.

@@ -2,6 +2,7 @@
 !> the effective deck; a new keyword is new rows here. Floor: deck.
 module limber_deck_keywords
    use limber_deck_body_options, only: body_options, beam_options, frame_options
+   use limber_deck_joint_kinds, only: joint_words
    use limber_deck_lexer, only: collapsed
    use limber_deck_schema, only: keyword_type, option_spec_type, field_spec_type, list_spec_type, many, needed, kind_name, &
       & kind_reference, kind_real, kind_positive, kind_nonnegative, kind_count, kind_counting, kind_word, kind_text, &
@@ -120,9 +121,7 @@ module limber_deck_keywords
       & option_spec_type('GRAVITY', 'Y', kind_real, '', 'm/s^2', '-9.81', 'along y')]
    type(option_spec_type), parameter :: other_options(*) = [ &
       & option_spec_type('JOINT', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the joint'), &
-      & option_spec_type('JOINT', 'TYPE', kind_word, &
-      &    'REVOLUTE|POINT ON LINE|TRANSLATIONAL|WELD|ROD|POINT ON CURVE|SLIDING|GEAR|RACK|BELT', &
-      &    '', needed, 'what the joint is: see the list below'), &
+      & option_spec_type('JOINT', 'TYPE', kind_word, joint_words, '', needed, 'what the joint is: see the list below'), &
       & option_spec_type('JOINT', 'ANGLE', kind_real, '', &
       &    'rad', '0', 'POINT ON LINE, TRANSLATIONAL, RACK, POINT ON CURVE: direction of the (x) axis in the second section'), &
       & option_spec_type('JOINT', 'TURN', kind_real, '', &

@@ -7,9 +7,10 @@ module limber_model_force_sections
    use limber_beam_plane_frame, only: frame_type, beam_frame
    use limber_beam_force_recovery, only: section_type, load_place_type, recovery_type, new_recovery, exact_recovery, all_sections
    use limber_model_quantities, only: is_internal_force
-   use limber_model_model, only: model_type, joint_sliding
+   use limber_model_model, only: model_type
    use limber_model_distributed_loads, only: spread_parts
    use limber_base_kinds, only: wp
+   use limber_deck_joint_kinds, only: joint_sliding
    implicit none
    private
    public :: add_recoveries, recover_stations

@@ -3,6 +3,7 @@
 module limber_model_held_ends
    use limber_base_kinds, only: wp
    use limber_deck_content, only: deck_type, block_type
+   use limber_deck_joint_kinds, only: joint_rack, joint_kinds, joint_kind, place_on_line, place_on_beam, place_rolling
    use limber_model_points_of_action, only: body_of, point_of, has_pair, line_angle, first_angle
    implicit none
    private
@@ -74,20 +75,21 @@ contains
       integer, intent(in) :: side
       type(hold_type), allocatable, intent(inout) :: holds(:)
       type(hold_type) :: new
-      integer :: other
-      if (block%word('TYPE') == 'SLIDING') return
+      integer :: kind, other
+      kind = joint_kind(block%word('TYPE'))
+      if (joint_kinds(kind)%place == place_on_beam) return
       new%name = point_of(block%lines(1)%text(side))
       other = deck%find_named('RIGID BODY|BEAM|FRAME|POINT MASS', trim(body_of(block%lines(1)%text(3 - side))))
       if (other > 0) new%hangs = is_alone(deck, deck%blocks(other)%name(), body_of(block%lines(1)%text(side)))
-      new%held = .not. any(block%word('TYPE') == [character(5) :: 'GEAR', 'RACK', 'BELT'])
+      new%held = joint_kinds(kind)%place /= place_rolling
       ! A line holds across itself
-      if (any(block%word('TYPE') == [character(13) :: 'POINT ON LINE', 'TRANSLATIONAL'])) then
+      if (joint_kinds(kind)%place == place_on_line) then
          associate (angle => line_angle(deck, block, body_of(block%lines(1)%text(side))))
             new%held = abs([sin(angle), cos(angle)]) > nearly
          end associate
       end if
-      new%clamped = any(block%word('TYPE') == [character(13) :: 'WELD', 'TRANSLATIONAL', 'GEAR', 'RACK', 'BELT'])
-      if (block%word('TYPE') == 'RACK') new%clamped = side == 1
+      new%clamped = joint_kinds(kind)%keeps_angle .or. joint_kinds(kind)%place == place_rolling
+      if (kind == joint_rack) new%clamped = side == 1
       if (new%hangs) then
          if (any(deck%blocks(other)%keyword == [character(10) :: 'RIGID BODY', 'POINT MASS'])) &
             & new%mass = deck%blocks(other)%real('MASS')

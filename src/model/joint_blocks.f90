@@ -4,6 +4,9 @@ module limber_model_joint_blocks
    use limber_base_text, only: as_text
    use limber_deck_content, only: deck_type, block_type, line_type
    use limber_deck_diagnostics, only: diagnostics_type
+   use limber_deck_joint_kinds, only: joint_curve, joint_sliding, joint_gear, joint_rack, joint_belt, joint_coupler, &
+      & joint_kinds, joint_kind, place_rolling
+   use limber_deck_keywords, only: split_values
    use limber_deck_origin, only: origin_type
    use limber_model_law_breaks, only: law_breaks, law_stations
    use limber_model_curve, only: curve_type, spline_curve, expression_curve
@@ -12,9 +15,8 @@ module limber_model_joint_blocks
    use limber_model_points, only: find_point, find_named, enter_name
    use limber_model_beam_segments, only: find_frame
    use limber_model_model, only: model_type, joint_type, driver_type, term_type, body_point, body_flexible, ground, &
-      & joint_revolute, joint_point_on_line, joint_translational, joint_weld, joint_rod, joint_curve, joint_sliding, joint_gear, &
-      & joint_rack, joint_belt, joint_coupler, coordinate_angle, coordinate_joint_angle, coordinate_displacement, driver_angle, &
-      & driver_joint_angle, driver_distance, driver_displacement, driver_x, driver_y
+      & coordinate_angle, coordinate_joint_angle, coordinate_displacement, driver_angle, driver_joint_angle, &
+      & driver_distance, driver_displacement, driver_x, driver_y
    implicit none
    private
    public :: add_joint, add_coupler, add_driver, most_bends
@@ -67,33 +69,18 @@ contains
       associate (joint => model%joints(index))
          joint%kind = joint_coupler
          if (block%keyword == 'COUPLER') return
-         joint%kind = kind_of(block%word('TYPE'))
+         joint%kind = joint_kind(block%word('TYPE'))
          joint%angle = block%real('ANGLE')
       end associate
    end function new_joint
-
-   !> Kind of a joint from its word in the deck.
-   pure integer function kind_of(word) result(kind)
-      character(*), intent(in) :: word
-      select case (word)
-      case ('POINT ON LINE'); kind = joint_point_on_line
-      case ('TRANSLATIONAL'); kind = joint_translational
-      case ('WELD'); kind = joint_weld
-      case ('ROD'); kind = joint_rod
-      case ('POINT ON CURVE'); kind = joint_curve
-      case ('SLIDING'); kind = joint_sliding
-      case ('GEAR'); kind = joint_gear
-      case ('RACK'); kind = joint_rack
-      case ('BELT'); kind = joint_belt
-      case default; kind = joint_revolute
-      end select
-   end function kind_of
 
    !> Angles, lengths and radii; a complaint for what a kind needs and the deck does not give.
    subroutine read_sizes(block, joint, diagnostics)
       type(block_type), intent(in) :: block
       type(joint_type), intent(inout) :: joint
       type(diagnostics_type), intent(inout) :: diagnostics
+      character(len(joint_kinds%needs)), allocatable :: needs(:)
+      integer :: i
       joint%turn = block%real('TURN')
       joint%has_turn = block%given('TURN')
       joint%length = block%real('LENGTH')
@@ -103,26 +90,18 @@ contains
          joint%radius = [block%real('FIRST RADIUS'), block%real('SECOND RADIUS')]
          joint%same_direction = block%yes('INTERNAL')
          if (joint%kind == joint_belt) joint%same_direction = .not. block%yes('CROSSED')
-         call need('FIRST RADIUS')
-         call need('SECOND RADIUS')
       case (joint_rack)
          joint%radius(1) = block%real('RADIUS')
-         call need('RADIUS')
-      case (joint_curve)
-         call need('CURVE')
       case (joint_sliding)
          if (block%given('ANGLE')) call diagnostics%warn(block%origin_of('ANGLE'), 'ANGLE means nothing of a joint of'// &
             & ' TYPE=SLIDING: its point slides along the beam', 'remove it')
       end select
-
-   contains
-
-      subroutine need(option)
-         character(*), intent(in) :: option
-         if (.not. block%has(option)) call diagnostics%add(block%origin, "joint '"//block%name()//"' of TYPE="// &
-            & block%word('TYPE')//' needs '//option, 'add '//option//'=')
-      end subroutine need
-
+      allocate (needs, source=split_values(joint_kinds(joint%kind)%needs))
+      do i = 1, size(needs)
+         if (needs(i) == '') cycle
+         if (.not. block%has(trim(needs(i)))) call diagnostics%add(block%origin, "joint '"//block%name()//"' of TYPE="// &
+            & block%word('TYPE')//' needs '//trim(needs(i)), 'add '//trim(needs(i))//'=')
+      end do
    end subroutine read_sizes
 
    !> Bodies that a kind of joint cannot have.
@@ -133,15 +112,14 @@ contains
       integer, intent(in) :: bodies(2), kind
       type(diagnostics_type), intent(inout) :: diagnostics
       integer :: side
-      select case (kind)
-      case (joint_translational, joint_weld, joint_gear, joint_rack, joint_belt)
+      if (joint_kinds(kind)%keeps_angle .or. joint_kinds(kind)%place == place_rolling) then
          do side = 1, 2
             if (bodies(side) == ground) cycle
             if (model%bodies(bodies(side))%kind == body_point) call diagnostics%add(block%lines(1)%origin_of(side), &
                & "joint '"//block%name()//"' needs a body that can turn, which a point mass cannot", &
                & 'make it a *RIGID BODY, or use REVOLUTE or POINT ON LINE')
          end do
-      case (joint_sliding)
+      else if (kind == joint_sliding) then
          if (bodies(2) /= ground) then
             if (is_in_segments(bodies(2))) then
                call diagnostics%add(block%lines(1)%origin_of(2), "joint '"//block%name()//"' slides along a beam in segments", &
@@ -159,7 +137,7 @@ contains
          end if
          call diagnostics%add(block%lines(1)%origin_of(2), "joint '"//block%name()//"' slides along something that is no "// &
             & 'flexible beam', 'name a *BEAM second; along what is straight, use POINT ON LINE')
-      end select
+      end if
 
    contains
 
@@ -179,18 +157,16 @@ contains
       type(joint_type), intent(in) :: joint
       type(diagnostics_type), intent(inout) :: diagnostics
       real(wp) :: turn
-      select case (joint%kind)
-      case (joint_rod, joint_gear, joint_belt)
+      if (joint_kinds(joint%kind)%apart) then
          if (norm2(guess_of(model, joint%points(1)) - guess_of(model, joint%points(2))) > 1.0e-9_wp*model%length) return
          call diagnostics%add(block%lines(1)%origin_of(2), "the two points of joint '"//block%name()// &
             & "' are in one place in the first guess", 'give better guesses (X=, Y=, ANGLE=) for its bodies')
-      case (joint_weld, joint_translational)
-         if (.not. joint%has_turn) return
+      else if (joint_kinds(joint%kind)%keeps_angle .and. joint%has_turn) then
          turn = guessed_turn(model, joint%points(1)) - guessed_turn(model, joint%points(2)) - joint%turn
          if (cos(turn) < 0.0_wp) call diagnostics%warn(block%origin_of('TURN'), "the bodies of joint '"//block%name()// &
             & "' are guessed more than a right angle away from TURN", &
             & 'it may be assembled the other way round; give ANGLE= for them')
-      end select
+      end if
    end subroutine check_guess
 
    !> Guessed angle of the body of a point; nought of the ground.

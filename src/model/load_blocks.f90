@@ -6,6 +6,7 @@ module limber_model_load_blocks
    use limber_deck_content, only: block_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_expression, only: expression_type
+   use limber_deck_joint_kinds, only: joint_revolute, joint_sliding, joint_kinds, place_on_line
    use limber_deck_operations, only: op_constant
    use limber_deck_origin, only: origin_type
    use limber_model_requested_channels, only: find_quantity
@@ -14,12 +15,9 @@ module limber_model_load_blocks
       & quantity_spin, quantity_u1, quantity_u2, quantity_elongation, quantity_rate, quantity_joint_angle, &
       & quantity_joint_spin, quantity_displacement, quantity_sliding_speed
    use limber_model_beam_segments, only: pieces_of, find_frame, has_frame
-   use limber_model_model, only: model_type, load_part_type, named_load_type, &
-      & quantity_type, &
-      & body_type, body_point, ground, joint_revolute, joint_point_on_line, joint_sliding, &
-      & joint_translational, along_axis, along_follower, &
-      & along_distance, along_slide, along_angle, load_force, load_torque, load_spring, load_rotational, load_bushing, &
-      & load_friction, own_elongation, own_rate, most_slots
+   use limber_model_model, only: model_type, load_part_type, named_load_type, quantity_type, body_type, body_point, ground, &
+      & along_axis, along_follower, along_distance, along_slide, along_angle, load_force, load_torque, load_spring, &
+      & load_rotational, load_bushing, load_friction, own_elongation, own_rate, most_slots
    implicit none
    private
    public :: add_force, add_torque, add_spring, add_bushing, add_friction, add_damping, resolve_laws
@@ -151,17 +149,16 @@ contains
       i = find_named(model, 'joint', block%name('JOINT'))
       if (i == 0) return
       associate (joint => model%joints(i))
-         select case (joint%kind)
-         case (joint_revolute)
+         if (joint%kind == joint_revolute) then
             part = new_part(along_angle, joint%points(1), joint%points(2))
-         case (joint_point_on_line, joint_translational)
+         else if (joint_kinds(joint%kind)%place == place_on_line) then
             part = new_part(along_slide, joint%points(1), joint%points(2))
             part%angle = joint%angle
-         case default
+         else
             call diagnostics%add(block%origin_of('JOINT'), "there is no friction in joint '"//joint%name//"'", &
                & 'it is for joints of the types REVOLUTE, TRANSLATIONAL and POINT ON LINE')
             return
-         end select
+         end if
          part%damping = block%real('COEFFICIENT')
          call append_part(model, part)
          call name_load(block, load_friction, size(model%load_parts), model)

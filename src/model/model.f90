@@ -4,6 +4,7 @@ module limber_model_model
    use limber_base_kinds, only: wp, long
    use limber_base_names, only: name_index_type
    use limber_deck_expression, only: expression_type
+   use limber_deck_joint_kinds, only: joint_revolute
    use limber_beam_exact_profile, only: profile_type
    use limber_beam_plane_frame, only: frame_type
    use limber_beam_frame_reduction, only: frame_choice_type
@@ -22,9 +23,6 @@ module limber_model_model
 
    !> Kinds of bodies: a point mass has a position only, the others a floating frame too
    integer, parameter, public :: body_point = 1, body_rigid = 2, body_flexible = 3
-   !> Kinds of joints
-   integer, parameter, public :: joint_revolute = 1, joint_point_on_line = 2, joint_translational = 3, joint_weld = 4, &
-      & joint_rod = 5, joint_curve = 6, joint_sliding = 7, joint_gear = 8, joint_rack = 9, joint_belt = 10, joint_coupler = 11
    !> Kinds of joint coordinates that couplers and drivers know: the angle of a body's frame, of the first section of a joint in
    !> the second, the place of the first point of a joint along its line
    integer, parameter, public :: coordinate_angle = 1, coordinate_joint_angle = 2, coordinate_displacement = 3
@@ -204,7 +202,7 @@ module limber_model_model
    !> A joint between two points
    type :: joint_type
       character(:), allocatable :: name
-      !> joint_revolute, ...
+      !> Row of the table of kinds: joint_revolute, ...
       integer :: kind = joint_revolute
       !> Indices of the two points
       integer :: points(2) = 0

@@ -2,6 +2,7 @@
 module limber_model_points_of_action
    use limber_base_kinds, only: wp
    use limber_deck_content, only: deck_type, block_type
+   use limber_deck_joint_kinds, only: joint_kinds, joint_kind, place_on_line, place_on_curve, place_on_beam, place_rolling
    implicit none
    private
    public :: acting_type, acting_points, find_shared, find_turning, body_of, point_of, has_pair, line_angle, &
@@ -165,10 +166,10 @@ contains
       type(block_type), intent(in) :: block
       character(*), intent(in) :: body
       holds = .false.
-      select case (block%word('TYPE'))
-      case ('GEAR', 'RACK', 'BELT', 'SLIDING')
+      select case (place_of(block))
+      case (place_rolling, place_on_beam)
          return
-      case ('POINT ON LINE', 'TRANSLATIONAL')
+      case (place_on_line)
          holds = abs(sin(line_angle(deck, block, body))) > nearly
       case default
          holds = .true.
@@ -225,16 +226,15 @@ contains
       type(acting_type), allocatable, intent(inout) :: points(:)
       logical :: couple(2), held, clamped
       if (.not. has_pair(block)) return
-      select case (block%word('TYPE'))
-      case ('TRANSLATIONAL', 'WELD', 'GEAR', 'RACK', 'BELT'); couple = .true.
-      case ('POINT ON LINE', 'POINT ON CURVE'); couple = [.false., .true.]
-      case default; couple = .false.
-      end select
-      held = .not. any(block%word('TYPE') == [character(13) :: 'GEAR', 'RACK', 'BELT', 'SLIDING'])
-      clamped = any(block%word('TYPE') == [character(13) :: 'WELD', 'TRANSLATIONAL'])
+      associate (kind => joint_kinds(joint_kind(block%word('TYPE'))))
+         couple = kind%keeps_angle .or. kind%place == place_rolling
+         couple(2) = couple(2) .or. kind%place == place_on_line .or. kind%place == place_on_curve
+         held = .not. any(kind%place == [place_rolling, place_on_beam])
+         clamped = kind%keeps_angle
+      end associate
       call enter(block%lines(1)%text(1), body, .true., couple(1), points, held, clamped)
       ! What slides along a beam acts on all of it
-      if (block%word('TYPE') == 'SLIDING') return
+      if (place_of(block) == place_on_beam) return
       call enter(block%lines(1)%text(2), body, .true., couple(2), points, held, clamped)
    end subroutine of_joint
 
@@ -298,11 +298,18 @@ contains
       associate (block => deck%blocks(joint))
          turning = block%word('TYPE') == 'REVOLUTE'
          ! What slides along a beam acts on all of it
-         do k = 1, merge(1, 2, block%word('TYPE') == 'SLIDING')
+         do k = 1, merge(1, 2, place_of(block) == place_on_beam)
             call enter(block%lines(1)%text(k), body, .not. turning, turning, points)
          end do
       end associate
    end subroutine along_joint
+
+   !> What a joint demands of the place of its first point.
+   pure integer function place_of(block)
+      !> Of the joint
+      type(block_type), intent(in) :: block
+      place_of = joint_kinds(joint_kind(block%word('TYPE')))%place
+   end function place_of
 
    !> Whether a block has a line with two points.
    pure logical function has_pair(block)

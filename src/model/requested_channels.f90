@@ -6,6 +6,7 @@ module limber_model_requested_channels
    use limber_deck_content, only: block_type, field_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_expression, only: slot_type
+   use limber_deck_joint_kinds, only: joint_coupler
    use limber_deck_operations, only: function_names
    use limber_model_lists, only: append
    use limber_model_points, only: find_point, find_body, find_named, enter_name
@@ -16,10 +17,8 @@ module limber_model_requested_channels
    use limber_model_unit_rules, only: expression_units
    use limber_model_references, only: find_reference, warn_of_zero
    use limber_model_model, only: model_type, body_type, channel_type, quantity_type, dimension_type, body_point, &
-      & body_flexible, ground, &
-      & joint_coupler, coordinate_displacement, &
-      & driver_angle, driver_joint_angle, load_force, load_torque, load_spring, load_rotational, load_bushing, &
-      & load_distributed, load_friction
+      & body_flexible, ground, coordinate_displacement, driver_angle, driver_joint_angle, load_force, load_torque, &
+      & load_spring, load_rotational, load_bushing, load_distributed, load_friction
    implicit none
    private
    public :: add_channels, find_quantity, flexible_instead

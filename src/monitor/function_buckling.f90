@@ -4,8 +4,9 @@
 module limber_monitor_function_buckling
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
+   use limber_deck_joint_kinds, only: joint_weld, joint_kinds, place_on_beam, place_rolling
    use limber_monitor_connections, only: hangs_on, ends_of
-   use limber_model_model, only: model_type, joint_gear, joint_rack, joint_belt, joint_sliding, joint_weld
+   use limber_model_model, only: model_type
    implicit none
    private
    public :: buckling_type, start_buckling, observe_buckling, join_buckling, buckles_unseen
@@ -75,7 +76,7 @@ contains
       guided = .false.
       carried = 0.0_wp
       do i = 1, size(model%joints)
-         if (any(model%joints(i)%kind == [joint_gear, joint_rack, joint_belt, joint_sliding])) cycle
+         if (any(joint_kinds(model%joints(i)%kind)%place == [place_rolling, place_on_beam])) cycle
          ends = ends_of(model, i)
          do side = 1, 2
             if (ends(side) /= body .or. model%joints(i)%points(side) == 0) cycle

@@ -4,6 +4,7 @@
 module limber_monitor_function_report
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text, newline
+   use limber_deck_joint_kinds, only: joint_sliding
    use limber_monitor_function_channels, only: asks_along, shows_place, asks_moment, lost_of_channels, of_moments, &
       & of_forces, of_pulls
    use limber_monitor_function_buckling, only: buckles_unseen
@@ -13,7 +14,7 @@ module limber_monitor_function_report
    use limber_monitor_met_ends, only: met_ends_warnings
    use limber_monitor_noise, only: noise_of
    use limber_model_joint_blocks, only: most_bends
-   use limber_model_model, only: model_type, joint_sliding
+   use limber_model_model, only: model_type
    implicit none
    private
    public :: function_warnings, ring_warnings

@@ -5,10 +5,11 @@ module limber_monitor_lumping_phase
    use limber_base_kinds, only: wp
    use limber_base_finite, only: dsyev
    use limber_base_snapshot, only: snapshot_type
+   use limber_deck_joint_kinds, only: joint_weld, joint_kinds, place_at_point
    use limber_monitor_noise, only: noise_of
    use limber_beam_plane_frame, only: frame_type, beam_frame
    use limber_beam_mesh_forces, only: mass_error
-   use limber_model_model, only: body_type, ground, joint_revolute, joint_weld
+   use limber_model_model, only: body_type, ground
    use limber_multibody_plane_vectors, only: along, turn
    use limber_multibody_system, only: system_type, workspace_type
    implicit none
@@ -228,7 +229,7 @@ contains
       real(wp) :: row(size(mass, 1), 3), weight(3)
       integer :: i, k, j, other
       do i = 1, size(system%model%joints)
-         if (all(system%model%joints(i)%kind /= [joint_revolute, joint_weld])) cycle
+         if (joint_kinds(system%model%joints(i)%kind)%place /= place_at_point) cycle
          associate (item => system%constraints(i)%item)
             do k = 1, 2
                if (item%bodies(k) /= index .or. item%points(k) == 0) cycle

@@ -6,9 +6,10 @@ module limber_multibody_assembly
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text
+   use limber_deck_joint_kinds, only: joint_kinds
    use limber_deck_operations, only: jet_type
    use limber_model_driver_laws, only: driven_motion
-   use limber_model_model, only: driver_angle, driver_joint_angle, joint_weld, joint_translational, ground
+   use limber_model_model, only: driver_angle, driver_joint_angle, ground
    use limber_multibody_plane_vectors, only: turn, cross
    use limber_multibody_assembly_newton, only: close_positions, close_velocities, approach, move, change_between
    use limber_multibody_constraint_matrix, only: constraint_matrix_type, new_constraint_matrix, hold_columns, given_columns
@@ -249,7 +250,7 @@ contains
          more = .false.
          do i = 1, size(system%model%joints)
             associate (joint => system%model%joints(i))
-               if (.not. joint%has_turn .or. all(joint%kind /= [joint_weld, joint_translational])) cycle
+               if (.not. (joint%has_turn .and. joint_kinds(joint%kind)%keeps_angle)) cycle
                bodies = system%model%points(joint%points)%body
                if (any(bodies == ground) .or. (driven(bodies(1)) .eqv. driven(bodies(2)))) cycle
                if (.not. all(system%layout%framed(bodies))) cycle

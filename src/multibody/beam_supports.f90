@@ -4,7 +4,8 @@
 module limber_multibody_beam_supports
    use limber_base_kinds, only: wp
    use limber_base_finite, only: dsyev
-   use limber_model_model, only: model_type, body_type, ground, joint_weld
+   use limber_deck_joint_kinds, only: joint_weld
+   use limber_model_model, only: model_type, body_type, ground
    use limber_multibody_drivers, only: driven_angle_type
    use limber_multibody_free_motions, only: rate_scales
    use limber_multibody_kinematics, only: place_frames

@@ -2,10 +2,10 @@
 !> multibody. Source: doc/theory, eqs. (3.15), (3.16), (3.22)-(3.24), (3.28), (3.29).
 module limber_multibody_constraint_list
    use limber_base_kinds, only: wp
-   use limber_model_model, only: joint_type, driver_type, term_type, body_flexible, ground, joint_revolute, joint_point_on_line, &
-      & joint_translational, joint_weld, joint_rod, joint_curve, joint_sliding, joint_gear, joint_rack, joint_belt, joint_coupler, &
-      & coordinate_joint_angle, coordinate_displacement, driver_angle, driver_joint_angle, driver_distance, &
-      & driver_displacement, driver_x, driver_y
+   use limber_deck_joint_kinds, only: joint_revolute, joint_weld, joint_point_on_line, joint_translational, joint_rod, &
+      & joint_curve, joint_sliding, joint_gear, joint_rack, joint_belt, joint_coupler
+   use limber_model_model, only: joint_type, driver_type, term_type, body_flexible, ground, coordinate_joint_angle, &
+      & coordinate_displacement, driver_angle, driver_joint_angle, driver_distance, driver_displacement, driver_x, driver_y
    use limber_multibody_constraint, only: constraint_type, constraint_item_type
    use limber_multibody_couplers, only: add_coupler
    use limber_multibody_drivers, only: driven_angle_type, driven_origin_type

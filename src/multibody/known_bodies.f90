@@ -3,8 +3,8 @@
 !> doc/theory, eqs. (4.9)-(4.12).
 module limber_multibody_known_bodies
    use limber_base_kinds, only: wp
-   use limber_model_model, only: ground, joint_weld, joint_translational, joint_point_on_line, driver_x, driver_y, &
-      & driver_displacement, driver_joint_angle
+   use limber_deck_joint_kinds, only: joint_kinds, place_on_line
+   use limber_model_model, only: ground, driver_x, driver_y, driver_displacement, driver_joint_angle
    use limber_multibody_constraint, only: constraint_item_type, jacobian_type, new_jacobian
    use limber_multibody_drivers, only: driven_angle_type, driven_origin_type
    use limber_multibody_point_joints, only: revolute_type, point_on_line_type
@@ -124,7 +124,9 @@ contains
          type is (driven_origin_type)
          type is (linear_type)
             if (c <= joints) then
-               suits = any(registry%model%joints(c)%kind == [joint_weld, joint_translational, joint_point_on_line])
+               associate (kind => joint_kinds(registry%model%joints(c)%kind))
+                  suits = kind%keeps_angle .or. kind%place == place_on_line
+               end associate
             else
                suits = any(registry%model%drivers(c - joints)%kind == [driver_x, driver_y, driver_displacement, driver_joint_angle])
             end if

@@ -2,7 +2,8 @@
 !> couplers. Floor: multibody. Source: doc/theory, eqs. (3.21)-(3.27).
 module limber_multibody_sliding_paths
    use limber_base_kinds, only: wp
-   use limber_model_model, only: joint_type, joint_sliding
+   use limber_deck_joint_kinds, only: joint_sliding
+   use limber_model_model, only: joint_type
    use limber_multibody_beam_path, only: beam_path_type
    use limber_multibody_function_constraints, only: linear_type
    use limber_multibody_function_sums, only: add_measure, vector, take_measures

@@ -3,10 +3,10 @@
 !> (3.10), (3.12).
 module limber_multibody_turn_counts
    use limber_base_kinds, only: wp
+   use limber_deck_joint_kinds, only: joint_kinds
    use limber_deck_operations, only: jet_type
    use limber_model_driver_laws, only: driven_motion
-   use limber_model_model, only: driver_angle, driver_joint_angle, joint_weld, joint_translational, &
-      & coordinate_angle, coordinate_joint_angle, ground
+   use limber_model_model, only: driver_angle, driver_joint_angle, coordinate_angle, coordinate_joint_angle, ground
    use limber_multibody_kinematics, only: kinematics_type, place_frames
    use limber_multibody_system, only: system_type
    implicit none
@@ -68,7 +68,7 @@ contains
          more = .false.
          do i = 1, size(system%model%joints)
             associate (joint => system%model%joints(i))
-               if (joint%kind /= joint_weld .and. joint%kind /= joint_translational) cycle
+               if (.not. joint_kinds(joint%kind)%keeps_angle) cycle
                bodies = system%model%points(joint%points)%body
                if (any(bodies == ground)) cycle
                if (.not. all(system%layout%framed(bodies)) .or. (known(bodies(1)) .eqv. known(bodies(2)))) cycle

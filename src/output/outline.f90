@@ -4,12 +4,11 @@ module limber_output_outline
    use limber_base_kinds, only: wp
    use limber_beam_exact_beam, only: undeformed_place
    use limber_base_spline, only: spline_at
+   use limber_deck_joint_kinds, only: joint_curve, joint_belt, joint_kinds
    use limber_beam_plane_frame, only: member_length
    use limber_beam_frame_reduction, only: frame_point_shape
    use limber_beam_beam_reduction, only: point_shape
-   use limber_model_model, only: model_type, joint_type, body_point, body_flexible, load_spring, &
-      & joint_revolute, joint_point_on_line, joint_translational, joint_weld, joint_rod, joint_curve, joint_sliding, joint_gear, &
-      & joint_rack, joint_belt
+   use limber_model_model, only: model_type, joint_type, body_point, body_flexible, load_spring
    use limber_output_drawn_coordinates, only: body_width, drawn_shape, drawn_place, named_places, stretches_of_beam
    use limber_output_motion_record, only: geometry_type, prepare
    use limber_multibody_plane_vectors, only: cross
@@ -268,21 +267,8 @@ contains
    pure function type_name(joint) result(name)
       type(joint_type), intent(in) :: joint
       character(:), allocatable :: name
-      select case (joint%kind)
-      case (joint_revolute); name = 'REVOLUTE'
-      case (joint_point_on_line); name = 'POINT ON LINE'
-      case (joint_translational); name = 'TRANSLATIONAL'
-      case (joint_weld); name = 'WELD'
-      case (joint_rod); name = 'ROD'
-      case (joint_curve); name = 'POINT ON CURVE'
-      case (joint_sliding); name = 'SLIDING'
-      case (joint_gear); name = 'GEAR'
-      case (joint_rack); name = 'RACK'
-      case (joint_belt)
-         name = 'BELT'
-         if (.not. joint%same_direction) name = 'CROSSED BELT'
-      case default; name = 'JOINT'
-      end select
+      name = trim(joint_kinds(joint%kind)%word)
+      if (joint%kind == joint_belt .and. .not. joint%same_direction) name = 'CROSSED '//name
    end function type_name
 
    !> Number of places along the curve of a joint; 0 if it has none, or one that has no ends, y of x.

@@ -4,8 +4,8 @@
 module limber_scene_joint_check
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
+   use limber_deck_joint_kinds, only: joint_rack, joint_kinds, place_on_curve, place_on_beam, place_rolling
    use limber_scene_outcome, only: outcome_type, warn
-   use limber_model_model, only: joint_gear, joint_rack, joint_belt, joint_sliding, joint_curve
    use limber_output_joint_forces, only: joint_displacement
    use limber_multibody_plane_vectors, only: along, cross
    use limber_multibody_kinematics, only: place_frames
@@ -24,9 +24,8 @@ contains
       integer :: i
       watches_joints = .false.
       do i = 1, size(system%model%joints)
-         select case (system%model%joints(i)%kind)
-         case (joint_gear, joint_rack, joint_belt, joint_sliding, joint_curve); watches_joints = .true.
-         end select
+         watches_joints = watches_joints .or. any(joint_kinds(system%model%joints(i)%kind)%place == [place_rolling, place_on_beam, &
+            & place_on_curve])
       end do
    end function watches_joints
 
@@ -43,12 +42,12 @@ contains
       if (first) allocate (outcome%centres(size(system%model%joints)), source=0.0_wp)
       do i = 1, size(system%model%joints)
          if (outcome%centres(i) < 0.0_wp) cycle
-         select case (system%model%joints(i)%kind)
-         case (joint_gear, joint_rack, joint_belt)
+         select case (joint_kinds(system%model%joints(i)%kind)%place)
+         case (place_rolling)
             call check_centres(system, i, t, q, first, outcome)
-         case (joint_sliding)
+         case (place_on_beam)
             call check_ends(system, i, t, q, outcome)
-         case (joint_curve)
+         case (place_on_curve)
             call check_curve(system, work, i, t, q, outcome)
          end select
       end do

@@ -4,15 +4,15 @@ module scenes
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
    use limber_deck_expression, only: expression_type
+   use limber_deck_joint_kinds, only: joint_revolute, joint_point_on_line
    use limber_deck_operations, only: first_function, function_names, op_add, op_constant, op_multiply, op_slot
    use limber_beam_plane_frame, only: frame_type, member_type, new_frame
    use limber_beam_frame_reduction, only: frame_choice_type, frame_point_shape, reduce_frame
    use limber_beam_beam_mesh, only: beam_type, new_support
    use limber_beam_reduced_body, only: rigid_reduced
    use limber_beam_beam_reduction, only: fidelity_exact, point_shape, exact_shape, reduce_beam, reduction_type
-   use limber_model_model, only: body_flexible, body_point, body_rigid, body_type, driver_type, ground, &
-      & joint_point_on_line, joint_revolute, joint_type, load_part_type, model_type, point_type, along_axis, along_distance, &
-      & along_angle
+   use limber_model_model, only: body_flexible, body_point, body_rigid, body_type, driver_type, ground, joint_type, &
+      & load_part_type, model_type, point_type, along_axis, along_distance, along_angle
    implicit none
    private
    public :: random, constant_law, wavy_law, ramp_law, gauss_point, gauss_weight, derivative, second_derivative

@@ -3,9 +3,10 @@
 program test_assembly
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
+   use limber_deck_joint_kinds, only: joint_revolute, joint_point_on_line
    use limber_beam_beam_mesh, only: beam_type, new_support
    use limber_beam_beam_reduction, only: fidelity_linear, reduction_type
-   use limber_model_model, only: ground, joint_point_on_line, joint_revolute, model_type
+   use limber_model_model, only: ground, model_type
    use limber_multibody_assembly, only: assemble, first_guess
    use limber_multibody_equations_of_motion, only: accelerations, linearise, mechanical_energy, position_residual, velocity_residual
    use limber_multibody_kinematics, only: move_frames, place_frames

@@ -5,13 +5,14 @@ program test_conserving
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
+   use limber_deck_joint_kinds, only: joint_revolute, joint_point_on_line
    use limber_beam_frame_reduction, only: frame_choice_type
    use limber_beam_beam_mesh, only: beam_type, new_support
    use limber_beam_beam_reduction, only: fidelity_kg, fidelity_linear, reduction_type
    use limber_integrator_conserving, only: conserving_type
    use limber_integrator_integrator, only: integrator_type
    use limber_integrator_radau, only: radau_type
-   use limber_model_model, only: driver_type, ground, joint_point_on_line, joint_revolute, model_type
+   use limber_model_model, only: driver_type, ground, model_type
    use limber_multibody_plane_vectors, only: along, cross, turn
    use limber_multibody_assembly, only: assemble, first_guess
    use limber_multibody_body, only: centre_moment

@@ -4,11 +4,12 @@ program test_constraints
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
    use limber_base_lapack, only: dgetrf, dgetrs
+   use limber_deck_joint_kinds, only: joint_revolute, joint_point_on_line, joint_sliding, joint_coupler
    use limber_beam_exact_functions, only: exact_choice_type
    use limber_beam_beam_mesh, only: beam_type, concentrate, new_support
    use limber_beam_beam_reduction, only: fidelity_exact, fidelity_kg, fidelity_linear, reduction_type
-   use limber_model_model, only: coordinate_angle, coordinate_displacement, driver_displacement, ground, joint_coupler, &
-      & joint_point_on_line, joint_revolute, joint_sliding, model_type, term_type
+   use limber_model_model, only: coordinate_angle, coordinate_displacement, driver_displacement, ground, model_type, &
+      & term_type
    use limber_multibody_assembly, only: assemble, first_guess
    use limber_multibody_body, only: body_mass
    use limber_multibody_equations_of_motion, only: accelerations, input_power, linearise, mechanical_energy, &

@@ -3,9 +3,10 @@
 program test_equilibrium
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
+   use limber_deck_joint_kinds, only: joint_revolute
    use limber_beam_beam_mesh, only: beam_type, new_support
    use limber_beam_beam_reduction, only: fidelity_kg, fidelity_linear, reduction_type
-   use limber_model_model, only: model_type, ground, joint_revolute
+   use limber_model_model, only: model_type, ground
    use limber_multibody_assembly, only: assemble, first_guess
    use limber_multibody_equations_of_motion, only: linearise, accelerations
    use limber_multibody_dense_eigenmodes, only: quadratic_modes, symmetric_modes

@@ -4,9 +4,10 @@ program test_forest
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
+   use limber_deck_joint_kinds, only: joint_revolute, joint_point_on_line
    use limber_beam_beam_mesh, only: beam_type, new_support
    use limber_beam_beam_reduction, only: fidelity_kg, fidelity_linear, reduction_type
-   use limber_model_model, only: ground, joint_point_on_line, joint_revolute, model_type
+   use limber_model_model, only: ground, model_type
    use limber_multibody_assembly, only: assemble
    use limber_multibody_discrete_motion, only: linearise_step, step_residual
    use limber_multibody_equations_of_motion, only: accelerations, input_power, linearise

@@ -10,15 +10,15 @@ program test_kernels
    use limber_model_curve, only: curve_type, expression_curve, spline_curve
    use limber_model_law_integrals, only: integrate
    use limber_model_driver_laws, only: driven_motion
-   use limber_model_model, only: coordinate_angle, coordinate_displacement, coordinate_joint_angle, &
-      & driver_displacement, driver_distance, driver_joint_angle, driver_type, driver_x, driver_y, ground, joint_belt, &
-      & joint_coupler, joint_curve, joint_gear, joint_point_on_line, joint_rack, joint_revolute, joint_rod, joint_sliding, &
-      & joint_translational, joint_weld, model_type, term_type
+   use limber_model_model, only: coordinate_angle, coordinate_displacement, coordinate_joint_angle, driver_displacement, &
+      & driver_distance, driver_joint_angle, driver_type, driver_x, driver_y, ground, model_type, term_type
    use limber_deck_operations, only: jet_type
    use limber_deck_content, only: deck_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_reader, only: read_deck_text
    use limber_base_text, only: newline
+   use limber_deck_joint_kinds, only: joint_revolute, joint_weld, joint_point_on_line, joint_translational, joint_rod, &
+      & joint_curve, joint_sliding, joint_gear, joint_rack, joint_belt, joint_coupler
    use limber_model_law_breaks, only: law_breaks
    use limber_multibody_discrete_motion, only: step_residual
    use limber_multibody_drivers, only: driven_origin_type

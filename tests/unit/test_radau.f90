@@ -5,13 +5,14 @@ program test_radau
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
+   use limber_deck_joint_kinds, only: joint_revolute
    use limber_beam_beam_mesh, only: beam_type, new_support
    use limber_beam_beam_reduction, only: fidelity_kg, fidelity_linear, reduction_type
    use limber_integrator_adams, only: adams_type
    use limber_integrator_integrator, only: integrator_type
    use limber_integrator_radau, only: radau_type
    use limber_integrator_radau_method, only: radau_a, radau_c, radau_lambda, radau_t, radau_ti
-   use limber_model_model, only: driver_type, ground, joint_revolute, model_type
+   use limber_model_model, only: driver_type, ground, model_type
    use limber_multibody_assembly, only: first_guess
    use limber_multibody_equations_of_motion, only: mechanical_energy, position_residual, velocity_residual
    use limber_multibody_kinematics, only: move_frames, place_frames

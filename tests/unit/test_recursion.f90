@@ -4,7 +4,8 @@ program test_recursion
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
-   use limber_model_model, only: model_type, joint_point_on_line, joint_revolute, ground
+   use limber_deck_joint_kinds, only: joint_revolute, joint_point_on_line
+   use limber_model_model, only: model_type, ground
    use limber_multibody_equations_of_motion, only: linearise, accelerations, position_residual, velocity_residual
    use limber_multibody_kinematics, only: place_frames
    use limber_multibody_multiplier_system, only: update_jacobians

@@ -4,12 +4,13 @@
 program test_tangent
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
+   use limber_deck_joint_kinds, only: joint_revolute, joint_point_on_line
    use limber_beam_elastic_forces, only: elastic_force, elastic_tangent
    use limber_beam_frame_reduction, only: frame_choice_type
    use limber_beam_exact_functions, only: exact_choice_type
    use limber_beam_beam_mesh, only: beam_type, concentrate, new_support
    use limber_beam_beam_reduction, only: fidelity_exact, fidelity_kg, fidelity_linear, reduction_type
-   use limber_model_model, only: ground, joint_point_on_line, joint_revolute, model_type
+   use limber_model_model, only: ground, model_type
    use limber_multibody_equations_of_motion, only: accelerations, linearise, mechanical_energy, position_residual, velocity_residual
    use limber_multibody_kinematics, only: place_frames
    use limber_multibody_layout, only: advance, rates_of, velocities_of

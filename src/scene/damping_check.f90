@@ -106,9 +106,12 @@ contains
    pure real(wp) function ratio_error(ratio, dampers, asked, least) result(error)
       !> Of the bodies, of all else that damps, as it is asked for; below which one counts as this
       real(wp), intent(in) :: ratio, dampers, asked, least
-      error = max(asked - ratio - dampers, 0.0_wp)
+      real(wp) :: filling
+      ! What feeds a vibration is no lack of the bodies
+      filling = max(dampers, 0.0_wp)
+      error = max(asked - ratio - filling, 0.0_wp)
       if (ratio > asked) error = ratio - asked
-      error = error/max(asked + merge(max(dampers, 0.0_wp), 0.0_wp, ratio > asked), least)
+      error = error/max(asked + merge(filling, 0.0_wp, ratio > asked), least)
    end function ratio_error
 
    !> What is told of a mode: its ratio, what that should be, and how many times as large the ratio of the body must be for it.
@@ -116,9 +119,10 @@ contains
    pure function told_numbers(ratio, dampers, asked, least) result(told)
       !> As of `ratio_error`
       real(wp), intent(in) :: ratio, dampers, asked, least
-      real(wp) :: told(3)
-      told = [ratio + dampers, asked + dampers, asked]
-      if (ratio < asked) told(2:) = [asked, asked - dampers]
+      real(wp) :: told(3), filling
+      filling = max(dampers, 0.0_wp)
+      told = [ratio + filling, asked + filling, asked]
+      if (ratio < asked) told(2:) = [asked, asked - filling]
       told(3) = told(3)/max(ratio, 1.0e-6_wp*max(asked, least))
    end function told_numbers
 

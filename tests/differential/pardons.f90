@@ -61,6 +61,8 @@ contains
          if (all(group /= [places, angles])) part = 0.01_wp*number_behind(line, slip_words)
       else if (index(line, phase_words) > 0) then
          part = number_behind(line, ' by about ')
+      else if (index(line, 'lose their grip on the motion: forces') > 0) then
+         if (of_forces) part = huge(part)/multiple
       else if (index(line, 'another branch') > 0 .or. index(line, 'sets the scale of the errors') > 0) then
          part = huge(part)/multiple
       end if
@@ -102,7 +104,7 @@ contains
       !> The warning, and all of its run
       character(*), intent(in) :: line, warnings
       is_of_run = keeps_up(line) .or. index(line, unfollowed_words) > 0 .or. (index(line, beyond_functions) > 0 .and. &
-         & index(warnings, unfollowed_words) > 0)
+         & (index(warnings, unfollowed_words) > 0 .or. keeps_up(warnings)))
    end function is_of_run
 
    pure logical function is_near(line, words, unit, begins)

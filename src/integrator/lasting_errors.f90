@@ -15,7 +15,7 @@ module limber_integrator_lasting_errors
    use limber_multibody_sparse_matrix, only: sparse_type
    use limber_multibody_springs, only: point_spring_type
    use limber_multibody_system, only: system_type, workspace_type
-   use limber_multibody_tangent, only: tangent_type, combine_values
+   use limber_multibody_tangent, only: tangent_type, add_block, combine_values
    use limber_multibody_tangent_products, only: times_mass
    implicit none
    private
@@ -160,19 +160,6 @@ contains
          if (system%layout%n(bodies(i)) > 0) bends = .true.
       end do
    end function bends
-
-   !> Adds a block to entries of the matrix.
-   pure subroutine add_block(place, block, values)
-      integer, intent(in) :: place(:, :)
-      real(wp), intent(in) :: block(:, :)
-      real(wp), intent(inout) :: values(:)
-      integer :: i, j
-      do j = 1, size(block, 2)
-         do i = 1, size(block, 1)
-            values(place(i, j)) = values(place(i, j)) + block(i, j)
-         end do
-      end do
-   end subroutine add_block
 
    !> Saves or restores its memory.
    subroutine exchange_lasting(self, snapshot)

@@ -14,7 +14,8 @@ module limber_multibody_tangent
    use limber_multibody_system, only: system_type, mark_block, block_place
    implicit none
    private
-   public :: tangent_type, body_tangent_type, new_tangent, gather, combine, combine_values, solve_refined, static_softness, give_way
+   public :: tangent_type, body_tangent_type, new_tangent, gather, combine, add_block, combine_values, solve_refined, &
+      & static_softness, give_way
 
    !> Derivatives of one body's equations (3 + n, 3 + n), and where they stand in the matrix
    type :: body_tangent_type
@@ -207,35 +208,36 @@ contains
             & rows => tangent%parts(:, 4), drift => tangent%parts(:, 5))
          do i = 1, size(tangent%bodies)
             associate (body => tangent%bodies(i))
-               call add(body%place, body%mass, mass)
-               call add(body%place, body%damping, damping)
-               call add(body%place, body%stiffness, stiffness)
+               call add_block(body%place, body%mass, mass)
+               call add_block(body%place, body%damping, damping)
+               call add_block(body%place, body%stiffness, stiffness)
             end associate
          end do
          do i = 1, size(tangent%constraints)
             associate (c => tangent%constraints(i), a => tangent%constraints(i)%first_range(1), &
                   & b => tangent%constraints(i)%first_range(2), d => tangent%constraints(i)%second_range(1), &
                   & e => tangent%constraints(i)%second_range(2))
-               call add(c%first_place, c%first(:, a:b), rows)
-               call add(c%second_place, c%second(:, d:e), rows)
-               call add(c%first_transposed, c%first(:, a:b), rows)
-               call add(c%second_transposed, c%second(:, d:e), rows)
-               call add(c%first_place, c%first_drift(:, a:b), drift)
-               call add(c%second_place, c%second_drift(:, d:e), drift)
+               call add_block(c%first_place, c%first(:, a:b), rows)
+               call add_block(c%second_place, c%second(:, d:e), rows)
+               call add_block(c%first_transposed, c%first(:, a:b), rows)
+               call add_block(c%second_transposed, c%second(:, d:e), rows)
+               call add_block(c%first_place, c%first_drift(:, a:b), drift)
+               call add_block(c%second_place, c%second_drift(:, d:e), drift)
                if (size(c%across) == 0) cycle
-               call add(c%across_place, c%across, stiffness)
-               call add(c%across_transposed, c%across, stiffness)
+               call add_block(c%across_place, c%across, stiffness)
+               call add_block(c%across_transposed, c%across, stiffness)
             end associate
          end do
          do i = 1, size(tangent%loads)
-            call add(tangent%loads(i)%place, tangent%loads(i)%damping, damping)
-            call add(tangent%loads(i)%place, tangent%loads(i)%stiffness, stiffness)
+            call add_block(tangent%loads(i)%place, tangent%loads(i)%damping, damping)
+            call add_block(tangent%loads(i)%place, tangent%loads(i)%stiffness, stiffness)
          end do
       end associate
    end subroutine gather
 
-   !> Adds a block to entries of the matrix.
-   pure subroutine add(place, block, entries)
+   !> Adds a block to the entries of a matrix of this pattern.
+   pure subroutine add_block(place, block, entries)
+      !> Index of each entry of the block among all (rows, columns)
       integer, intent(in) :: place(:, :)
       real(wp), intent(in) :: block(:, :)
       real(wp), intent(inout) :: entries(:)
@@ -245,7 +247,7 @@ contains
             entries(place(row, column)) = entries(place(row, column)) + block(row, column)
          end do
       end do
-   end subroutine add
+   end subroutine add_block
 
    !> Fills the matrix with real or complex factors: the real values, or the complex ones; `gather` comes first.
    subroutine combine(tangent, mass, damping, stiffness, drift, is_complex)

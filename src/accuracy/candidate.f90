@@ -7,13 +7,14 @@ module limber_accuracy_candidate
    use limber_base_text, only: as_text, first_line
    use limber_analysis_dynamic_analysis, only: run_dynamics, new_integrator
    use limber_scene_channel_errors, only: magnitude
-   use limber_analysis_error_estimate, only: add_quantities, longest_step, round_off
+   use limber_analysis_error_estimate, only: add_quantities, round_off
    use limber_scene_outcome, only: outcome_type
    use limber_accuracy_fidelity_levels, only: level_type, apply_rung
    use limber_scene_first_scene, only: build_scene
    use limber_scene_scene, only: scene_type
    use limber_deck_content, only: deck_type
    use limber_deck_diagnostics, only: diagnostics_type
+   use limber_integrator_bound_steps, only: bound_steps_type
    use limber_integrator_integrator, only: integrator_type
    use limber_integrator_statistics, only: step_statistics_type
    use limber_model_model, only: channel_type
@@ -65,7 +66,7 @@ module limber_accuracy_candidate
 contains
 
    !> Runs a setting into memory.
-   subroutine run_trial(deck, rungs, tolerance, part, limit, wide, quiet, label, trial, error, truth, allowed, most, only)
+   subroutine run_trial(deck, rungs, tolerance, part, limit, wide, quiet, label, trial, error, truth, allowed, most, only, pace)
       type(deck_type), intent(in) :: deck
       type(level_type), intent(in) :: rungs(:)
       !> Tolerance, and what part it is of that of the run: steps that the deck gives are shortened as those of order two would be;
@@ -82,6 +83,8 @@ contains
       real(wp), intent(in), optional :: truth(:, :), allowed(:), most
       !> The integrator that AUTO must choose, or nothing is run
       character(*), intent(in), optional :: only
+      !> Steps of the run that it verifies
+      type(bound_steps_type), intent(in), optional :: pace
       type(scene_type) :: scene
       type(diagnostics_type) :: diagnostics
       type(progress_type) :: progress
@@ -116,7 +119,7 @@ contains
          end if
          width = sample_width(scene%system)
          model%dynamics%initial_step = part**(1.0_wp/3)*model%dynamics%initial_step
-         if (abs(part - 1.0_wp) > 0.0_wp) model%dynamics%maximum_step = part**(1.0_wp/3)*longest_step(model%dynamics)
+         model%dynamics%maximum_step = part**(1.0_wp/3)*model%dynamics%maximum_step
          model%dynamics%fixed_step = part**(1.0_wp/3)*model%dynamics%fixed_step
          call new_integrator(model%dynamics, integrator)
          call trial%samples%start(width, model%dynamics%outputs + 1, huge(limit))
@@ -126,7 +129,8 @@ contains
          if (present(allowed)) allocate (trial%samples%allowed, source=allowed)
          if (present(most)) model%dynamics%maximum_steps = min(model%dynamics%maximum_steps, most_steps(most))
          if (.not. quiet) call progress%start(model%dynamics%start, model%dynamics%end, label)
-         call run_dynamics(scene, integrator, trial%samples, progress, trial%outcome, failure)
+         call run_dynamics(scene, integrator, trial%samples, progress, trial%outcome, failure, pace=pace)
+         if (present(pace)) trial%outcome%bound%factor = merge(pace%factor, 1.0_wp, pace%prevail())
          if (.not. quiet) call progress%finish()
          trial%statistics = integrator%statistics
          if (signal_came()) then

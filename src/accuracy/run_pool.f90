@@ -7,6 +7,7 @@ module limber_accuracy_run_pool
    use limber_accuracy_fidelity_levels, only: level_type, same_rungs, names_of
    use limber_accuracy_candidate, only: candidate_type, run_trial, least_patience, least_tolerance
    use limber_deck_content, only: deck_type
+   use limber_integrator_bound_steps, only: bound_steps_type
    use limber_output_progress, only: teller_type
    implicit none
    private
@@ -14,7 +15,7 @@ module limber_accuracy_run_pool
 
    !> A run that is kept: its rungs, tolerance, the integrator that its deck asks for, and whether its scales were found
    type :: entry_type
-      type(candidate_type) :: trial
+      type(candidate_type), allocatable :: trial
       type(level_type), allocatable :: rungs(:)
       real(wp) :: tolerance = 0.0_wp
       character(:), allocatable :: integrator
@@ -74,7 +75,7 @@ contains
       end do
       if (.not. quiet) call self%say(as_text(self%runs)//' runs; '//label//' begins: '//setting_words(rungs, tolerance))
       call run_trial(deck, rungs, tolerance, part, min(limit, max(self%budget - self%work, 0.0_wp)), wide, quiet, label, trial, &
-         & error, truth, allowed, most, only)
+         & error, truth, allowed, most, only, pace_of(self, deck, tolerance/part, part))
       if (allocated(error)) return
       self%runs = self%runs + 1
       self%cpu = self%cpu + trial%outcome%cpu
@@ -162,22 +163,43 @@ contains
       real(wp), parameter :: same = 1.0e-6_wp
       serves = .false.
       if (wide .or. .not. allocated(entry%rungs)) return
-      if (abs(tolerance - entry%tolerance) > same*tolerance .or. has_steps(deck, part, entry%trial%integrator)) return
+      if (abs(tolerance - entry%tolerance) > same*tolerance .or. has_steps(deck, part, entry%trial)) return
       if (entry%integrator /= integrator_of(deck)) return
       serves = same_rungs(rungs, entry%rungs)
    end function serves
 
-   !> Whether a part of the tolerance shortens steps that the deck gives, or that samples bind.
-   pure logical function has_steps(deck, part, integrator)
+   !> Steps of the last run that is kept, of the same deck and tolerance, for the companion that verifies it: the models may differ.
+   function pace_of(self, deck, tolerance, part) result(pace)
+      class(pool_type), intent(in) :: self
+      type(deck_type), intent(in) :: deck
+      !> Of the run, and that of the companion in units of it
+      real(wp), intent(in) :: tolerance, part
+      type(bound_steps_type) :: pace
+      integer :: i
+      if (part >= 1.0_wp) return
+      do i = self%next, self%next - most_kept + 1, -1
+         associate (entry => self%kept(modulo(i - 1, most_kept) + 1))
+            if (.not. allocated(entry%rungs)) cycle
+            if (.not. serves(entry, deck, entry%rungs, tolerance, 1.0_wp, .false.)) cycle
+            pace = entry%trial%outcome%bound
+            pace%factor = part
+            return
+         end associate
+      end do
+   end function pace_of
+
+   !> Whether a part of the tolerance shortens steps that the deck gives, or those that something else has bound.
+   pure logical function has_steps(deck, part, trial)
       type(deck_type), intent(in) :: deck
       real(wp), intent(in) :: part
-      character(*), intent(in) :: integrator
+      type(candidate_type), intent(in) :: trial
       has_steps = .false.
       if (abs(part - 1.0_wp) < 1.0e-6_wp) return
       associate (block => deck%blocks(deck%find('DYNAMICS')))
-         has_steps = block%given('INITIAL STEP') .or. block%given('MAXIMUM STEP') .or. block%given('FIXED STEP') &
-            & .or. integrator == 'CONSERVING'
+         has_steps = block%given('INITIAL STEP') .or. block%given('MAXIMUM STEP') .or. block%given('FIXED STEP')
       end associate
+      if (has_steps .or. .not. allocated(trial%outcome)) return
+      has_steps = trial%outcome%bound%prevail() .or. trial%outcome%bound%factor < 1.0_wp
    end function has_steps
 
    !> Whether a deck asks for the motion of all bodies.
@@ -207,10 +229,11 @@ contains
       !> Whether it has the quantities of the channels behind them, which are left out; coordinates, which a deck may ask for, it has not
       logical, intent(in) :: wide
       type(candidate_type), intent(in) :: trial
-      if (has_steps(deck, part, trial%integrator) .or. size(trial%samples%values) > most_numbers) return
+      if (has_steps(deck, part, trial) .or. size(trial%samples%values) > most_numbers) return
       if (wide .and. asks_motion(deck)) return
       self%next = modulo(self%next, most_kept) + 1
       associate (entry => self%kept(self%next))
+         if (.not. allocated(entry%trial)) allocate (entry%trial)
          entry%trial = trial
          if (wide) entry%trial%samples%values = trial%samples%values(:size(trial%scale), :)
          entry%rungs = rungs

@@ -28,6 +28,7 @@ module limber_analysis_dynamic_analysis
    use limber_analysis_unfollowed, only: unfollowed_type, start_unfollowed, watch_channels, unfollowed_warning, shows_vibrations
    use limber_monitor_run_monitor, only: check_deflections, jump_watch_type, start_watch, watch_velocities, find_weak
    use limber_integrator_adams, only: adams_type
+   use limber_integrator_bound_steps, only: bound_steps_type
    use limber_integrator_alpha, only: alpha_type
    use limber_integrator_conserving, only: conserving_type
    use limber_integrator_radau, only: radau_type
@@ -68,7 +69,7 @@ contains
    end subroutine new_integrator
 
    !> Runs from the start to the end.
-   subroutine run_dynamics(scene, integrator, history, progress, outcome, error, guard)
+   subroutine run_dynamics(scene, integrator, history, progress, outcome, error, guard, pace)
       type(scene_type), intent(inout) :: scene
       !> Another one behind if limber has chosen it and another costs less; the model's name of it then too
       class(integrator_type), allocatable, intent(inout) :: integrator
@@ -80,6 +81,8 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> Lets the run be interrupted and go on
       type(interruption_type), intent(inout), optional :: guard
+      !> Steps of the run whose companion this is
+      type(bound_steps_type), intent(in), optional :: pace
       type(recorder_type) :: recorder
       type(sample_type) :: sample
       type(costs_type) :: costs
@@ -112,7 +115,7 @@ contains
          call integrator%start(scene%system, scene%work, max(scene%begin, dynamics%start), &
             & dynamics%end - dynamics%start, scene%q, scene%v, error)
          if (.not. allocated(error)) call advance(scene, dynamics, integrator, recorder, sample, history, progress, &
-            & costs, tick, cpu, outcome, error, guard)
+            & costs, tick, cpu, outcome, error, guard, pace)
       end associate
       associate (dynamics => scene%system%model%dynamics)
          if (allocated(costs%now)) then
@@ -138,7 +141,7 @@ contains
    !> The time loop. Steps end at the breaks of the drivers and loads, and where laws of the motion change their formula; there the
    !> integrator starts anew.
    subroutine advance(scene, dynamics, integrator, recorder, sample, history, progress, costs, tick, cpu, outcome, &
-      & error, guard)
+      & error, guard, pace)
       type(scene_type), intent(inout) :: scene
       type(dynamics_type), intent(in) :: dynamics
       class(integrator_type), allocatable, intent(inout) :: integrator
@@ -153,6 +156,7 @@ contains
       type(outcome_type), intent(inout) :: outcome
       type(error_type), allocatable, intent(out) :: error
       type(interruption_type), intent(inout), optional :: guard
+      type(bound_steps_type), intent(in), optional :: pace
       !> Part of the way from one break to the next at which the first step ends at the latest
       real(wp), parameter :: first_part = 0.125_wp
       real(wp), allocatable :: breaks(:), stations(:)
@@ -191,6 +195,7 @@ contains
       call start_watch(watch, t, scene%v)
       call start_turning(turning, scene%system, t, scene%q, scene%v, integrator%ends_on_samples)
       call follow_turns(t)
+      call outcome%bound%start(dynamics%start, dynamics%end - dynamics%start)
       watch%late = dynamics%end - 0.1_wp*(dynamics%end - dynamics%start)
       if (restarts(guard)) then
          call restore()
@@ -229,6 +234,7 @@ contains
          if (integrator%ends_on_samples) stop = min(stop, sample_time(dynamics, sample%next))
          if (.not. dynamics%fixed_step > 0.0_wp) stop = min(stop, integrator%t + turn_time(turning))
          stop = min(stop, crossings%hold)
+         if (present(pace)) call keep_pace()
          call integrator%step(scene%system, scene%work, stop, error)
          if (allocated(error)) then
             if (stands_in(costs, integrator)) then
@@ -263,6 +269,8 @@ contains
             call meet_crossing()
          end if
          if (size(pieces%paths) > 0) call meet_end()
+         if (.not. dynamics%fixed_step > 0.0_wp) call outcome%bound%note(integrator%t_before, t, integrator%order, &
+            & integrator%spare .or. .not. cut .and. t >= stop - near)
          call integrator%interpolate(t, sample%q, sample%v, sample%w)
          call integrator%complete(scene%system, scene%work, t, sample%q, sample%v)
          call note_added(added, scene%system, scene%work, integrator, crossings, dynamics%end, t, sample%q, sample%v)
@@ -310,6 +318,12 @@ contains
       if (.not. allocated(error)) call warn_of_vibrations()
 
    contains
+
+      !> Bounds the steps of a companion where those of its run were bound.
+      subroutine keep_pace()
+         integrator%maximum_step = pace%limit(integrator%t)
+         if (dynamics%maximum_step > 0.0_wp) integrator%maximum_step = min(integrator%maximum_step, dynamics%maximum_step)
+      end subroutine keep_pace
 
       !> Warns of vibrations that are not followed, or kept up, and of those that the motion no longer shows, though they bind ADAMS.
       subroutine warn_of_vibrations()

@@ -11,6 +11,7 @@ module limber_analysis_error_estimate
    use limber_scene_channel_errors, only: envelope, shrinkage, widening, unknown_ratio, no_shrinkage
    use limber_scene_scene, only: scene_type
    use limber_deck_operations, only: op_slot
+   use limber_integrator_bound_steps, only: bound_steps_type
    use limber_integrator_integrator, only: integrator_type, constraint_tolerance
    use limber_model_quantities, only: quantities, quantity_work, partners_of
    use limber_model_model, only: channel_type, dynamics_type, model_type, quantity_type
@@ -19,7 +20,7 @@ module limber_analysis_error_estimate
    use limber_output_sample_sink, only: memory_type
    implicit none
    private
-   public :: kept_type, estimate_type, make_estimate, varied, longest_step, round_off, add_quantities
+   public :: kept_type, estimate_type, make_estimate, varied, round_off, add_quantities
 
    !> Neighbours on each side that the envelope takes in
    integer, parameter :: reach = 2
@@ -87,11 +88,13 @@ contains
    end subroutine exchange_both
 
    !> Estimates the errors of a run that has finished.
-   subroutine make_estimate(scene, samples, steps, evaluations, cpu, quiet, estimate)
+   subroutine make_estimate(scene, samples, taken, steps, evaluations, cpu, quiet, estimate)
       !> As it was run; the same again on return
       type(scene_type), intent(inout) :: scene
       !> Its samples
       type(memory_type), intent(in) :: samples
+      !> Its steps that the tolerance has not chosen
+      type(bound_steps_type), intent(in) :: taken
       !> Its steps and evaluations, and CPU seconds of its time loop
       integer(long), intent(in) :: steps, evaluations
       real(wp), intent(in) :: cpu
@@ -100,18 +103,19 @@ contains
       type(estimate_type), intent(out) :: estimate
       type(memory_type) :: companion, check
       character(:), allocatable :: no_check
-      !> Whether samples bind the steps, which are half of the time from one to the next then
-      logical :: is_bound
+      type(bound_steps_type) :: pace
       logical :: is_finer
       estimate%without = ''
       estimate%tolerance = scene%system%model%dynamics%tolerance
       is_finer = estimate%tolerance/ladder >= smallest_tolerance
       estimate%companion = merge(1/ladder, ladder, is_finer)*estimate%tolerance
-      call run_again(scene, merge(1/ladder, ladder, is_finer), 1000000 + 50*evaluations, quiet, companion, &
-         & estimate%cpu, estimate%reason)
-      is_bound = steps < 2.5_wp*scene%system%model%dynamics%outputs .and. scene%system%model%dynamics%integrator == 'CONSERVING'
-      if (estimate%reason == '' .and. is_finer .and. estimate%tolerance*ladder <= largest_tolerance .and. .not. is_bound) then
-         call run_again(scene, ladder, 100000 + 4*evaluations, quiet, check, estimate%cpu, no_check)
+      pace = taken
+      pace%factor = merge(1/ladder, ladder, is_finer)
+      call run_again(scene, pace, 1000000 + 50*evaluations, quiet, companion, estimate%cpu, estimate%reason)
+      if (estimate%reason == '' .and. is_finer .and. estimate%tolerance*ladder <= largest_tolerance .and. &
+         & .not. taken%prevail()) then
+         pace%factor = ladder
+         call run_again(scene, pace, 100000 + 4*evaluations, quiet, check, estimate%cpu, no_check)
          if (no_check == '') estimate%check = ladder*estimate%tolerance
       end if
       estimate%factor = estimate%cpu/max(cpu, tiny(cpu))
@@ -119,10 +123,10 @@ contains
    end subroutine make_estimate
 
    !> Runs a scene once more at another tolerance. Besides the channels the run samples all quantities that are in them.
-   subroutine run_again(scene, factor, limit, quiet, samples, cpu, reason)
+   subroutine run_again(scene, pace, limit, quiet, samples, cpu, reason)
       type(scene_type), intent(inout) :: scene
-      !> Of the tolerance
-      real(wp), intent(in) :: factor
+      !> Steps of the run, and the tolerance in units of its own
+      type(bound_steps_type), intent(in) :: pace
       !> Evaluations after which the run is given up: the same on every machine
       integer(long), intent(in) :: limit
       logical, intent(in) :: quiet
@@ -142,7 +146,7 @@ contains
       associate (model => scene%system%model)
          dynamics = model%dynamics
          call move_alloc(model%channels, channels)
-         model%dynamics = varied(dynamics, factor)
+         model%dynamics = varied(dynamics, pace%factor)
          call find_partners(channels, beside)
          call add_quantities(channels, model%channels, beside)
          call new_integrator(model%dynamics, integrator)
@@ -151,7 +155,7 @@ contains
          samples%heeds_signals = .true.
          if (allocated(scene%followed)) scene%work%kinematics%angles(:) = scene%followed
          if (.not. quiet) call progress%start(dynamics%start, dynamics%end, 'estimate of the errors')
-         call run_dynamics(scene, integrator, samples, progress, outcome, error)
+         call run_dynamics(scene, integrator, samples, progress, outcome, error, pace=pace)
          if (.not. quiet) call progress%finish()
          model%dynamics = dynamics
          deallocate (model%channels)
@@ -161,8 +165,8 @@ contains
       if (allocated(error)) reason = first_line(error%message)
    end subroutine run_again
 
-   !> The same analysis at another tolerance. Steps that the deck gives, and those that samples bind, are changed as an integrator of
-   !> order two would change its own, so that a deck that holds the step, not the tolerance, has an error too.
+   !> The same analysis at another tolerance. Steps that the deck gives are changed as an integrator of order two would change
+   !> its own, so that a deck that holds the step, not the tolerance, has an error too.
    pure function varied(dynamics, factor) result(other)
       type(dynamics_type), intent(in) :: dynamics
       real(wp), intent(in) :: factor
@@ -170,18 +174,10 @@ contains
       other = dynamics
       other%tolerance = factor*dynamics%tolerance
       other%initial_step = factor**(1.0_wp/3)*dynamics%initial_step
-      other%maximum_step = factor**(1.0_wp/3)*longest_step(dynamics)
+      other%maximum_step = factor**(1.0_wp/3)*dynamics%maximum_step
       other%fixed_step = factor**(1.0_wp/3)*dynamics%fixed_step
       other%maximum_steps = 10*min(dynamics%maximum_steps, 200000000)
    end function varied
-
-   !> Longest step that a deck gives, or that samples let CONSERVING take; zero: none is known.
-   pure real(wp) function longest_step(dynamics) result(longest)
-      type(dynamics_type), intent(in) :: dynamics
-      longest = dynamics%maximum_step
-      if (longest > 0.0_wp .or. dynamics%integrator /= 'CONSERVING') return
-      longest = 0.5_wp*(dynamics%end - dynamics%start)/dynamics%outputs
-   end function longest_step
 
    !> Channels, and behind them each quantity in each of them, and others.
    subroutine add_quantities(channels, all_channels, others)

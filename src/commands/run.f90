@@ -308,8 +308,8 @@ contains
       call history%put_attribute('/run', 'status', 'finished; its errors were being estimated', error)
       if (.not. allocated(error)) call history%flush(error)
       if (allocated(error)) return
-      call make_estimate(scene, history%memory, integrator%statistics%steps, integrator%statistics%evaluations, outcome%cpu, &
-         & quiet, estimate)
+      call make_estimate(scene, history%memory, outcome%bound, integrator%statistics%steps, integrator%statistics%evaluations, &
+         & outcome%cpu, quiet, estimate)
       if (signal_came()) then
          call raise(error, 'interrupted by '//signal_name()//' while the errors of the run were estimated; with --restart they '// &
             & 'are estimated again', status_interrupted)

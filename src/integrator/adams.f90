@@ -311,7 +311,7 @@ contains
       self%high_orders = merge(self%high_orders + 1, 0, self%k > 8)
       self%limited = self%more_low >= many_low .or. (self%limited .and. self%high_orders < many_low)
       call finish_differences(self%ny, self%k, self%yp, self%phi)
-      call self%count_step(self%h_last, self%k_last)
+      call self%count_step(self%h_last, self%k_last, err*2.5_wp**(self%k_last + 1) < self%bound)
       if (self%ringing%watched) call note_vibrations(self, system)
       call next_order_and_step(self, estimate, k_next)
       ! A step that was cut short to end at `stop` says nothing about the next one

@@ -91,6 +91,7 @@ contains
       logical :: good, repeated
       integer :: i, failures
       wanted = self%h
+      err = self%tolerance
       repeated = .false.
       failures = 0
       do
@@ -136,7 +137,7 @@ contains
          repeated = .true.
       end do
       call self%ringing%note(system, self%h, self%a, 1.0_wp/12 + 0.5_wp*abs(self%alpha_m - self%alpha_f), 3)
-      call self%count_step(self%h, 2)
+      call self%count_step(self%h, 2, 8*err < self%tolerance)
       self%h_last = self%h
       if (repeated) factor = min(factor, 1.0_wp)
       ! A step that would hardly change is kept

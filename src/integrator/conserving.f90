@@ -1,16 +1,15 @@
-!> CONSERVING: energy-momentum scheme of order 2. An energy-momentum scheme of order 2 by discrete gradients. Energy less work put
-!> in, and linear and angular momentum where the scene keeps them, are constant to round-off at any step; the position constraints
-!> hold at the end of every step, with one set of multipliers for a step (index 3). Its velocities meet the velocity constraints in
-!> the mean of a step only; where drivers move the scene they are brought onto them at the end of each step, at the cost of the
-!> drivers' work, eq. (5.33). Floor: integrator. Source: Simo and Tarnow, ZAMP 43 (1992) 757; Gonzalez, J. Nonlinear Sci. 6 (1996)
-!> 449; doc/theory, eqs. (5.21)-(5.27), (5.29), (5.31).
+!> CONSERVING: energy-momentum scheme of order 2. By discrete gradients energy less work put in, and linear and angular momentum
+!> where the scene keeps them, are constant to round-off at any step; the position constraints hold at the end of every step, with
+!> one set of multipliers for a step (index 3). Its velocities meet the velocity constraints in the mean of a step only; where
+!> drivers move the scene they are brought onto them at the end of each step, at the cost of their work, eq. (5.33). Floor:
+!> integrator. Source: Simo and Tarnow, ZAMP 43 (1992) 757; Gonzalez, J. Nonlinear Sci. 6 (1996) 449; doc/theory, eqs. (5.21)-(5.27), (5.31).
 module limber_integrator_conserving
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
    use limber_base_error, only: error_type
    use limber_integrator_cubic_output, only: cubic_state
-   use limber_integrator_integrator, only: integrator_type
-   use limber_integrator_mean_rates, only: means_type, new_means, begin_means, predict, find_curvature, note_mean
+   use limber_integrator_integrator, only: integrator_type, even_step
+   use limber_integrator_mean_rates, only: means_type, new_means, begin_means, predict, find_curvature, note_mean, largest_change
    use limber_integrator_error_scales, only: scales_type, new_scales, update_scales, rate_scales, energy_scale, find_grain
    use limber_multibody_discrete_motion, only: step_residual, linearise_step, step_work
    use limber_multibody_equations_of_motion, only: linearise, accelerations
@@ -146,8 +145,9 @@ contains
       type(error_type), allocatable, intent(out) :: error
       real(wp) :: h, err, factor
       logical :: good, repeated
-      integer :: i
+      integer :: i, doubts
       repeated = .false.
+      doubts = 0
       do
          if (self%maximum_step > 0.0_wp) self%h = min(self%h, self%maximum_step)
          if (self%fixed_step > 0.0_wp .and. .not. repeated) self%h = self%fixed_step
@@ -173,17 +173,18 @@ contains
             good = err <= max(self%tolerance, maxval(self%grain/(h*self%scale_w))) .or. self%fixed_step > 0.0_wp
             if (good) call measure_work(self, system, work, err, good)
             factor = max(0.2_wp, min(1.6_wp, 0.8_wp*(self%tolerance/max(err, 1.0e-6_wp*self%tolerance))**(1.0_wp/3)))
+            if (good .and. self%driven) call follow_drivers(self, system, work, doubts, good)
+            if (.not. good) factor = min(factor, merge(0.5_wp, 0.9_wp, doubts > 0))
          else
             factor = 0.5_wp
          end if
          if (good) exit
          self%statistics%rejected = self%statistics%rejected + 1
-         self%h = h*min(factor, 0.9_wp)
+         self%h = h*factor
          repeated = .true.
       end do
-      if (self%driven) call follow_drivers(self, system, work)
       call accept(self, system, stop)
-      call self%count_step(h, 2)
+      call self%count_step(h, 2, 8*err < self%tolerance)
       if (repeated) factor = min(factor, 1.0_wp)
       ! A step that would hardly change is kept; one that was cut short by a sample does not count
       if (factor < 0.95_wp) then
@@ -230,17 +231,6 @@ contains
       ! Of redundant constraints the multipliers are known to round-off of the constraints only; the motion does not feel it
       if (system%redundant) self%scale_lambda = huge(1.0_wp)
    end subroutine find_scales
-
-   !> The step that divides the way to the next stop evenly and is not above the one wanted.
-   pure real(wp) function even_step(way, wanted) result(h)
-      real(wp), intent(in) :: way, wanted
-      !> Part of the step that round-off may take
-      real(wp), parameter :: slack = 1.0e-6_wp
-      h = wanted
-      if (way > 1.0e6_wp*wanted) return
-      h = way/max(1, ceiling(way/wanted - slack))
-      if (way > 1.5_wp*wanted .and. abs(h - wanted) <= slack*wanted) h = wanted
-   end function even_step
 
    !> The end of the step. What redundant constraints give way is taken back: under the multipliers found they give way no more,
    !> eq. (4.37). Beside a fold little of it would be much of the reactions.
@@ -493,18 +483,28 @@ contains
 
    !> Brings the rates at the end of the step onto the velocity constraints, least in the mass norm, eq. (5.33). Only what
    !> constraints prescribe changes; the kinetic energy that this gives or takes is work of the drivers. At a singular place they
-   !> stay.
-   subroutine follow_drivers(self, system, work)
+   !> stay. Where it changes much the places have not moved as the velocities say, perhaps to another branch: the step is halved.
+   subroutine follow_drivers(self, system, work, doubts, good)
       class(conserving_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
+      !> How often this step has been halved for that
+      integer, intent(inout) :: doubts
+      logical, intent(out) :: good
+      integer, parameter :: most_doubts = 12
       type(error_type), allocatable :: error
-      real(wp) :: before
+      real(wp) :: before, change
+      good = .true.
       call linearise(system, work, self%trial%final, self%trial%new_q, error)
       if (allocated(error)) return
       call velocities_of(system%layout, self%trial%new_q, self%new_w, self%path_v)
       call project_velocity(system, work, self%path_v, self%change)
+      self%e = self%new_w
       call rates_of(system%layout, self%trial%new_q, self%path_v, self%new_w)
+      change = largest_change(system%layout, self%e, self%new_w, self%scale_w)
+      good = change <= 0.2_wp*self%tolerance**(1.0_wp/3) .or. doubts >= most_doubts .or. self%fixed_step > 0.0_wp
+      doubts = doubts + merge(0, 1, good)
+      if (.not. good) return
       before = dot_product(self%trial%new_b, self%trial%new_p)
       call frame_rates(system%layout, self%trial%new_q, self%new_w, self%e)
       call find_momenta(system, work%kinematics%lines, self%trial%new_q, self%e, self%trial%new_p)

@@ -14,7 +14,7 @@ module limber_integrator_integrator
    use limber_multibody_system, only: system_type, workspace_type
    implicit none
    private
-   public :: integrator_type
+   public :: integrator_type, even_step
 
    !> Relative residual of the position constraints that a step aims at, and the one that is tolerated where round-off forbids
    !> more
@@ -48,6 +48,10 @@ module limber_integrator_integrator
       logical :: sees_inside = .false.
       !> Steps that it takes behind a start until they are as long as before
       integer :: steps_to_start = 4
+      !> Order of the last step
+      integer :: order = 0
+      !> Whether the error of the last step would have allowed one of more than twice its length
+      logical :: spare = .false.
       type(step_statistics_type) :: statistics
    contains
       procedure(start_interface), deferred :: start
@@ -150,11 +154,15 @@ contains
    end subroutine exchange_common
 
    !> Counts an accepted step.
-   subroutine count_step(self, h, order)
+   subroutine count_step(self, h, order, spare)
       class(integrator_type), intent(inout) :: self
       !> Its length [time] and order
       real(wp), intent(in) :: h
       integer, intent(in) :: order
+      !> Whether its error would have allowed one of more than twice its length
+      logical, intent(in) :: spare
+      self%order = order
+      self%spare = spare
       associate (statistics => self%statistics)
          statistics%steps = statistics%steps + 1
          statistics%smallest_step = min(statistics%smallest_step, h)
@@ -172,6 +180,17 @@ contains
       real(wp), parameter :: part = 1.0e-8_wp
       least_step = 4*spacing(max(abs(self%t), part*abs(stop)))
    end function least_step
+
+   !> The step that divides the way to the next stop evenly and is not above the one wanted.
+   pure real(wp) function even_step(way, wanted) result(h)
+      real(wp), intent(in) :: way, wanted
+      !> Part of the step that round-off may take
+      real(wp), parameter :: slack = 1.0e-6_wp
+      h = wanted
+      if (way > 1.0e6_wp*wanted) return
+      h = way/max(1, ceiling(way/wanted - slack))
+      if (way > 1.5_wp*wanted .and. abs(h - wanted) <= slack*wanted) h = wanted
+   end function even_step
 
    !> Steps so short that their work is taken as it is: across a jump of the power nothing makes it more exact.
    pure real(wp) function last_digits(self) result(h)

@@ -7,7 +7,7 @@ module limber_integrator_mean_rates
    use limber_multibody_layout, only: layout_type
    implicit none
    private
-   public :: means_type, new_means, begin_means, predict, find_curvature, note_mean
+   public :: means_type, new_means, begin_means, predict, find_curvature, note_mean, largest_change
 
    !> Of the last two steps, the latest first
    type :: means_type
@@ -120,6 +120,20 @@ contains
       means%curvature_before = means%curvature
       means%has_curvature = has_curvature
    end subroutine note_mean
+
+   !> Largest change of the rates of frames and points, in units of scales.
+   pure real(wp) function largest_change(layout, before, after, scales) result(largest)
+      type(layout_type), intent(in) :: layout
+      !> (nw)
+      real(wp), intent(in) :: before(:), after(:), scales(:)
+      integer :: i, from, to
+      largest = 0.0_wp
+      do i = 1, size(layout%w)
+         from = layout%w(i)
+         to = merge(from + 2, from + 1, layout%framed(i))
+         largest = max(largest, maxval(abs(after(from:to) - before(from:to))/scales(from:to)))
+      end do
+   end function largest_change
 
    !> Saves or restores its memory.
    subroutine exchange_means(self, snapshot)

@@ -3,6 +3,7 @@ module limber_scene_outcome
    use limber_base_kinds, only: wp, long
    use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: newline
+   use limber_integrator_bound_steps, only: bound_steps_type
    use limber_monitor_indicators, only: indicators_type
    use limber_output_internal_forces, only: section_forces_type
    implicit none
@@ -48,6 +49,8 @@ module limber_scene_outcome
       real(wp) :: ahead = 0.0_wp
       !> Angle by which each body has turned, from its spin at the samples (bodies) [rad]
       real(wp), allocatable :: turned(:)
+      !> Steps that the tolerance has not chosen, for companion runs
+      type(bound_steps_type) :: bound
       !> What the user should know, one line after another; not allocated if there is nothing
       character(:), allocatable :: warnings
       !> A warning of vibrations that the integrator does not follow, which what finer runs have verified does not need
@@ -93,6 +96,7 @@ contains
       call snapshot%keep('turned', self%turned)
       call snapshot%exchange('no_energy', self%no_energy)
       call snapshot%keep('warnings', self%warnings)
+      call self%bound%exchange(snapshot)
       if (allocated(self%indicators)) call self%indicators%exchange(snapshot)
    end subroutine exchange_outcome
 

@@ -125,7 +125,8 @@ contains
 
       subroutine estimate_errors()
          type(estimate_type) :: estimate
-         call make_estimate(scene, history%memory, statistics%steps, statistics%evaluations, outcome%cpu, .true., estimate)
+         call make_estimate(scene, history%memory, outcome%bound, statistics%steps, statistics%evaluations, outcome%cpu, &
+            & .true., estimate)
          scene%warnings = scene%warnings//estimate_warning(estimate, scene%system%model%channels)
          if (estimate%reason == '') trial%errors = estimate%values
       end subroutine estimate_errors

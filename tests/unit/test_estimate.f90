@@ -15,6 +15,7 @@ program test_estimate
    use limber_commands_run, only: run_deck
    use limber_scene_first_scene, only: read_scene
    use limber_scene_scene, only: scene_type
+   use limber_integrator_bound_steps, only: bound_steps_type
    use limber_model_model, only: dynamics_type
    use limber_output_hdf5, only: close_file, open_file
    use limber_output_hdf5_read, only: read_attribute
@@ -274,13 +275,14 @@ contains
       type(scene_type) :: scene
       type(estimate_type) :: estimate
       type(memory_type) :: samples
+      type(bound_steps_type) :: taken
       type(history_type) :: history
       type(history_reader_type) :: reader
       type(error_type), allocatable :: error
       call read_scene(folder//'/with.inp', scene, error)
       call check_no_error(error, 'deck with estimates')
       ! So that it may take less than no evaluation; counted work, for the result must not depend on the machine
-      call make_estimate(scene, samples, 100_long, -1000000_long, 1.0_wp, .true., estimate)
+      call make_estimate(scene, samples, taken, 100_long, -1000000_long, 1.0_wp, .true., estimate)
       call check(index(estimate%reason, 'given up after ') == 1 .and. index(estimate%reason, ' evaluations at t = ') > 0, &
          & 'companion that is given up: '//estimate%reason)
       call check(size(scene%system%model%channels) == 3, 'the scene has its channels again')

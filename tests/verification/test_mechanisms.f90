@@ -3,6 +3,7 @@
 program test_mechanisms
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
+   use limber_base_text, only: as_text
    use limber_commands_run, only: run_deck
    use limber_output_history_reader, only: history_reader_type
    use runs, only: channel, run_text
@@ -23,6 +24,8 @@ program test_mechanisms
    call check_belt_drive()
    call check_moving_mass()
    call check_flat()
+   call check_near_dead_centre(1.0_wp)
+   call check_near_dead_centre(-1.0_wp)
    call finish()
 
 contains
@@ -391,5 +394,47 @@ contains
       call compare('torque', 0.5_wp*gravity*cos(angle), 2.0e-2_wp, 'flat parallelogram: torque')
       call reader%close()
    end subroutine check_flat
+
+   !> A crank that turns past a dead centre of its four-bar, which it misses by a thousandth: the joints could be closed on the
+   !> other side of the line from the crank's pin to the rocker's pivot as well. The rocker's angle is that of this line and the
+   !> cosine rule.
+   subroutine check_near_dead_centre(side)
+      !> Sign of the side on which it starts
+      real(wp), intent(in) :: side
+      character(*), parameter :: nl = new_line('a')
+      character(4), parameter :: tolerances(2) = ['1e-5', '1e-6']
+      real(wp), parameter :: crank = 0.25_wp, coupler = 1.12_wp, rocker = 0.501_wp, base = 0.87_wp
+      integer, parameter :: n = 12
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report
+      real(wp) :: angle(0:n), pin(2), tip(2), length
+      integer :: i
+      do i = 0, n
+         pin = crank*[cos(1.5_wp - 3.0_wp*i/n), sin(1.5_wp - 3.0_wp*i/n)] - [base, 0.0_wp]
+         length = norm2(pin)
+         angle(i) = atan2(pin(2), pin(1)) + side*acos((rocker**2 + length**2 - coupler**2)/(2*rocker*length))
+      end do
+      do i = 1, n
+         angle(i) = angle(i) - 2*pi*nint((angle(i) - angle(i - 1))/(2*pi))
+      end do
+      pin = crank*[cos(1.5_wp), sin(1.5_wp)]
+      tip = [base, 0.0_wp] + rocker*[cos(angle(0)), sin(angle(0))]
+      do i = 1, size(tolerances)
+         call run_text('*GROUND'//nl//' d, 0.87, 0'//nl//'*RIGID BODY, NAME=crank, MASS=1, INERTIA=0.1, ANGLE=1.5'//nl// &
+            & ' e, 0.25, 0'//nl//'*RIGID BODY, NAME=coupler, MASS=1, INERTIA=0.1, X='//as_text(pin(1), 16)//', Y='// &
+            & as_text(pin(2), 16)//', ANGLE='//as_text(atan2(tip(2) - pin(2), tip(1) - pin(1)), 16)//nl//' e, 1.12, 0'//nl// &
+            & '*RIGID BODY, NAME=rocker, MASS=1, INERTIA=0.1, X=0.87, ANGLE='//as_text(angle(0), 16)//nl//' e, 0.501, 0'//nl// &
+            & '*JOINT, NAME=a, TYPE=REVOLUTE'//nl//' crank, ground.origin'//nl//'*JOINT, NAME=b, TYPE=REVOLUTE'//nl// &
+            & ' coupler, crank.e'//nl//'*JOINT, NAME=x, TYPE=REVOLUTE'//nl//' coupler.e, rocker.e'//nl// &
+            & '*JOINT, NAME=y, TYPE=REVOLUTE'//nl//' rocker, ground.d'//nl//'*DRIVER, NAME=motor, TYPE=ANGLE, BODY=crank'//nl// &
+            & ' 1.5 - 10*t'//nl//'*GRAVITY'//nl//'*DYNAMICS, END=0.3, OUTPUTS=12, INTEGRATOR=CONSERVING, TOLERANCE='// &
+            & tolerances(i)//nl//'*OUTPUT'//nl//' rocker = angle(rocker)'//nl, trim(results), report, error)
+         call check_no_error(error, 'near a dead centre')
+         if (allocated(error)) return
+         call reader%open(trim(results), error)
+         call compare('rocker', angle, 1.0e-9_wp, 'past a dead centre at '//tolerances(i)//': angle of the rocker')
+         call reader%close()
+      end do
+   end subroutine check_near_dead_centre
 
 end program test_mechanisms

@@ -9,6 +9,7 @@ module limber_analysis_unfollowed
    use limber_scene_sampling, only: sample_type
    use limber_scene_scene, only: scene_type
    use limber_deck_difference_terms, only: size_of_terms
+   use limber_integrator_integrator, only: constraint_limit
    use limber_integrator_unfollowed_vibrations, only: ringing_type
    use limber_model_model, only: dynamics_type, model_type
    use limber_output_channel_values, only: recorder_type, new_recorder, channel_values, sample_width
@@ -20,8 +21,9 @@ module limber_analysis_unfollowed
 
    !> Samples of a run at which the channels of vibrations are found; internal forces of an envelope
    integer, parameter :: looks = 4, kinds = 3
-   !> Part of the largest value of a channel that may be lost; part of the largest channel of the same unit below which one is zero
-   real(wp), parameter :: allowed = 1.0e-2_wp, nothing = 1.0e-4_wp
+   !> Part of the largest value of a channel that may be lost; part of the largest channel of the same unit below which one is
+   !> small, and within which joints hold one at zero
+   real(wp), parameter :: allowed = 1.0e-2_wp, nothing = 1.0e-4_wp, held = constraint_limit
    !> Their names in an envelope
    character(*), parameter :: forces(kinds) = [character(14) :: 'axial force', 'shear force', 'bending moment']
 
@@ -316,16 +318,16 @@ contains
       !> Which; part of it
       integer, intent(out) :: worst
       real(wp), intent(out) :: share
-      real(wp) :: off, scale
-      integer :: i, j
+      real(wp) :: off, scale, alike
+      integer :: i
       worst = 0
       share = 0.0_wp
       do i = 1, size(self%largest)
          off = dot_product(self%reach(i, :), lost)
-         scale = scale_of(self, i)
-         do j = 1, size(self%largest)
-            if (self%alike(j) == self%alike(i)) scale = max(scale, nothing*self%largest(j))
-         end do
+         alike = maxval(self%largest, mask=self%alike == self%alike(i))
+         ! Joints hold it, but not the disturbed states
+         if (self%largest(i) <= held*alike) cycle
+         scale = max(scale_of(self, i), nothing*alike)
          if (.not. off > share*scale) cycle
          worst = i
          share = off/max(scale, tiny(off))

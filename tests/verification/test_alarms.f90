@@ -33,6 +33,7 @@ program test_alarms
    call test_turning()
    call test_orbits()
    call test_braked()
+   call test_guided()
    call finish()
 
 contains
@@ -115,6 +116,24 @@ contains
             & '*OUTPUT'//newline//' x(a)', 2*(1 - exp(-4.0_wp)), 2.0e-2_wp, '')
       end do
    end subroutine test_braked
+
+   !> A slider-crank whose slider stays on the x axis: the end of the rod has y = 0, whatever vibrations ALPHA steps over, which
+   !> accelerations feel.
+   subroutine test_guided()
+      call judge('guided, ALPHA', '*MATERIAL, NAME=stuff, YOUNG=1.33e9, DENSITY=1200'//newline// &
+         & '*SECTION, NAME=tube, SHAPE=TUBE, DIAMETER=22e-3, THICKNESS=2.2e-3'//newline// &
+         & '*RIGID BODY, NAME=crank, MASS=1.59, INERTIA=3.1e-3, CENTRE X=0.0525, ANGLE=90 deg'//newline// &
+         & ' tip, 0.14, 0'//newline// &
+         & '*BEAM, NAME=rod, MATERIAL=stuff, SECTION=tube, LENGTH=0.762, STRAIN FUNCTIONS=1, Y=0.14, ANGLE=-asin(0.14/0.762)'// &
+         & newline//'*POINT MASS, NAME=slider, MASS=1.34, X=sqrt(0.762**2 - 0.14**2)'//newline// &
+         & '*JOINT, NAME=bearing, TYPE=REVOLUTE'//newline//' crank.origin, ground.origin'//newline// &
+         & '*JOINT, NAME=pin, TYPE=REVOLUTE'//newline//' rod.start, crank.tip'//newline// &
+         & '*JOINT, NAME=guide, TYPE=POINT ON LINE'//newline//' slider, ground.origin'//newline// &
+         & '*JOINT, NAME=end, TYPE=REVOLUTE'//newline//' rod.end, slider'//newline//'*GRAVITY'//newline// &
+         & '*SPRING, NAME=s, STIFFNESS=2690, LENGTH=0.459'//newline//' slider, crank.tip'//newline// &
+         & '*DYNAMICS, END=0.12, OUTPUTS=20, TOLERANCE=1e-3, INTEGRATOR=ALPHA'//newline//'*OUTPUT'//newline// &
+         & ' y(rod.end), x(slider), ay(crank.tip)', 0.0_wp, 1.0e-12_wp, "channel 'ay_crank_tip' may err")
+   end subroutine test_guided
 
    !> A beam that hangs on a torque of round-off: nothing moves, and ADAMS still takes the steps of the fastest vibration.
    subroutine test_still()

@@ -38,6 +38,7 @@ program test_targets
    call test_motion()
    call test_stepped('1e-2')
    call test_stepped('1e-3')
+   call test_bound_steps()
    call finish()
 
 contains
@@ -389,6 +390,44 @@ contains
       print '(a)', name//': '//status
       call reader%close()
    end subroutine run_for
+
+   !> x = cos(10 t) by ALPHA beside a fast wheel, whose turns bind the steps whatever the tolerance, and under a table with corners
+   !> that hardly pulls: the error that is told is the true one.
+   subroutine test_bound_steps()
+      character(:), allocatable :: corners
+      integer :: i
+      corners = '*TABLE, NAME=corners'//newline
+      do i = 0, 250
+         corners = corners//' '//as_text(0.02_wp*i)//', '//as_text(1.0e-6_wp*modulo(i, 2))//newline
+      end do
+      call test_bound('corners', corners//'*FORCE, NAME=f, POINT=m'//newline//' 0, corners(t)'//newline)
+      call test_bound('wheel', '*RIGID BODY, NAME=wheel, MASS=1, INERTIA=1, SPIN=300'//newline// &
+         & '*JOINT, NAME=hub, TYPE=REVOLUTE'//newline//' wheel, ground.origin'//newline)
+   end subroutine test_bound_steps
+
+   subroutine test_bound(name, blocks)
+      character(*), intent(in) :: name, blocks
+      real(wp), parameter :: target = 1.0e-2_wp
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      real(wp), allocatable :: x(:), t(:), told(:)
+      real(wp) :: off
+      call run_text('*POINT MASS, NAME=m, MASS=1, X=1'//newline//'*BUSHING, NAME=b, STIFFNESS X=100, STIFFNESS Y=100'//newline// &
+         & ' m, ground.origin'//newline//blocks//'*ACCURACY, TARGET=1e-2'//newline// &
+         & '*DYNAMICS, END=5, OUTPUTS=50, INTEGRATOR=ALPHA'//newline//'*OUTPUT'//newline//' x = x(m)'//newline, trim(results), &
+         & report, error)
+      call check_no_error(error, 'bound steps, '//name)
+      if (allocated(error)) return
+      call reader%open(trim(results), error)
+      call reader%read_time(t, error)
+      x = channel(reader, 'x')
+      told = channel(reader, reader%estimates(1)%name)
+      call reader%close()
+      off = maxval(abs(x - cos(10*t)))
+      print '(a,2es12.4)', 'bound steps, '//name//': error, told', off, maxval(told)
+      call check(off <= target .and. maxval(told) > 0.5_wp*off .and. maxval(told) < 3*off, 'bound steps, '//name//': told '// &
+         & as_text(maxval(told), 3)//' of '//as_text(off, 3)//': '//report)
+   end subroutine test_bound
 
    !> Compares the last deflection with the truth.
    subroutine compare(name, truth, error)

@@ -1,4 +1,4 @@
-!> Analyses of a deck in their order. What each is asked for, and when it starts. Floor: model.
+!> Analyses of a deck in their order, with options and start times. Floor: model.
 module limber_model_analyses
    use limber_base_text, only: as_text
    use limber_base_kinds, only: wp
@@ -11,12 +11,12 @@ module limber_model_analyses
    private
    public :: add_analyses, single_dynamics, kind_names, title
 
-   !> Keywords of the kinds of analyses, in the order of their numbers
+   !> Keywords of the analyses, indexed by their kind
    character(16), parameter :: kind_names(5) = [character(16) :: 'KINEMATICS', 'INVERSE DYNAMICS', 'STATICS', 'MODES', 'DYNAMICS']
 
 contains
 
-   !> Reads the analyses. The first becomes the one that runs. Times that the deck leaves open are written into it.
+   !> Reads all analyses. The first one becomes the active one. Start times that are not given are written into the deck.
    subroutine add_analyses(deck, model, diagnostics)
       type(deck_type), intent(inout) :: deck
       type(model_type), intent(inout) :: model
@@ -55,7 +55,7 @@ contains
          & 'in balance, and bodies that hang at rest in the deck')
    end subroutine add_analyses
 
-   !> Whether a model has one analysis only, a dynamic one.
+   !> Whether the model has exactly one analysis, and it is *DYNAMICS.
    pure logical function single_dynamics(model)
       type(model_type), intent(in) :: model
       single_dynamics = .false.
@@ -63,7 +63,7 @@ contains
       if (size(model%steps) == 1) single_dynamics = model%steps(1)%kind == step_dynamics
    end function single_dynamics
 
-   !> Kind of analysis of a keyword; 0: none.
+   !> Kind of analysis of a keyword; 0 if it is no analysis.
    pure integer function step_kind(keyword) result(kind)
       character(*), intent(in) :: keyword
       do kind = size(kind_names), 1, -1
@@ -71,10 +71,10 @@ contains
       end do
    end function step_kind
 
-   !> Reads the last of the steps so far.
+   !> Reads the last of the steps.
    subroutine read_step(block, index, steps, diagnostics)
       type(block_type), intent(in) :: block
-      !> Of the block
+      !> Index of the block
       integer, intent(in) :: index
       type(analysis_step_type), intent(inout) :: steps(:)
       type(diagnostics_type), intent(inout) :: diagnostics
@@ -103,7 +103,7 @@ contains
       end associate
    end subroutine read_step
 
-   !> The name that the deck gives, or that of the keyword, with a number from the second on.
+   !> NAME of the block, else a name from the keyword; from the second of its kind on with a number.
    pure function step_name(block, steps) result(name)
       type(block_type), intent(in) :: block
       type(analysis_step_type), intent(in) :: steps(:)
@@ -127,6 +127,7 @@ contains
       if (same > 1) name = name//'_'//as_text(same)
    end function step_name
 
+   !> Reads START, END and OUTPUTS.
    subroutine read_times(block, dynamics, diagnostics)
       type(block_type), intent(in) :: block
       type(dynamics_type), intent(inout) :: dynamics
@@ -138,7 +139,7 @@ contains
          & 'END='//as_text(dynamics%end)//' is not later than START='//as_text(dynamics%start), 'give a later time')
    end subroutine read_times
 
-   !> A static analysis; its end is the time that it takes.
+   !> Reads a *STATICS. Its end is its PERIOD here; `add_analyses` adds the start.
    pure subroutine read_statics(block, is_first, step)
       type(block_type), intent(in) :: block
       !> Whether it is the first analysis
@@ -157,6 +158,7 @@ contains
       step%centre = [block%real('CENTRE X'), block%real('CENTRE Y')]
    end subroutine read_statics
 
+   !> Reads a *DYNAMICS.
    subroutine read_dynamics(block, dynamics, diagnostics)
       type(block_type), intent(in) :: block
       type(dynamics_type), intent(inout) :: dynamics
@@ -176,7 +178,7 @@ contains
          & 'give a value between 1e-13 and 0.1')
    end subroutine read_dynamics
 
-   !> Keyword and name of an analysis.
+   !> Keyword and name of an analysis, for messages.
    pure function title(step) result(text)
       type(analysis_step_type), intent(in) :: step
       character(:), allocatable :: text

@@ -1,4 +1,4 @@
-!> Choice of mesh, modes and functions of a beam. Rigidities, mesh, masses, modes and functions. Floor: model.
+!> Rigidities, mesh, masses, modes and functions of a beam. Floor: model.
 module limber_model_beam_choice
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
@@ -22,15 +22,15 @@ module limber_model_beam_choice
 
 contains
 
-   !> Rigidities, mesh and choices of a piece of a beam.
+   !> Reads rigidities, mesh and reduction options of a piece of a beam.
    subroutine read_beam(deck, index, piece, pieces, body, rigid, diagnostics, usable)
       type(deck_type), intent(inout) :: deck
       integer, intent(in) :: index, piece, pieces
       type(body_type), intent(inout) :: body
-      !> Mass, coordinate of the centre of mass, moment of inertia about it of the rigid beam
+      !> Rigid beam: mass, coordinate of the centre of mass, moment of inertia about it
       real(wp), intent(out) :: rigid(3)
       type(diagnostics_type), intent(inout) :: diagnostics
-      !> False if it cannot be reduced
+      !> False if the beam cannot be reduced
       logical, intent(out) :: usable
       integer :: material, section, before
       before = diagnostics%count
@@ -69,14 +69,14 @@ contains
             call check_parts(deck, index, body, diagnostics)
             call check_chord(deck, block, diagnostics)
          end if
-         ! Members of a frame are weighed with it
+         ! Members of a large frame are checked with the frame
          if (usable .and. piece == 1 .and. scan(block%name(), '/') == 0 .and. block%word('GEOMETRIC') /= 'RIGID' .and. &
             & .not. block%yes('SHEAR')) call weigh_shear(deck, index, material, section, body)
          usable = usable .and. diagnostics%count == before
       end associate
    end subroutine read_beam
 
-   !> Masses that *MASS puts on a piece of a beam.
+   !> Adds the masses of *MASS to a piece of a beam.
    subroutine read_masses(deck, index, piece, pieces, body, rigid, diagnostics)
       type(deck_type), intent(in) :: deck
       integer, intent(in) :: index, piece, pieces
@@ -87,7 +87,7 @@ contains
       real(wp) :: x, inertia, centre
       if (.not. (body%beam%length > 0.0_wp .and. body%beam%elements > 0)) return
       do i = 1, size(deck%blocks)
-         ! Quick, for decks of thousands of beams
+         ! A quick test, for decks with thousands of beams
          if (len(deck%blocks(i)%keyword) /= len('MASS')) cycle
          if (deck%blocks(i)%keyword /= 'MASS') cycle
          if (.not. is_part(deck, i, index)) cycle
@@ -111,10 +111,10 @@ contains
       end do
    end subroutine read_masses
 
-   !> Coordinate along a beam that the first field of a line gives as a number, the name of a point, or else of a parameter.
+   !> Coordinate along a beam in the first field of a line: a number, a point of the beam, or else a parameter.
    real(wp) function beam_place(deck, block, line, diagnostics) result(x)
       type(deck_type), intent(in) :: deck
-      !> Of the beam
+      !> Block of the beam
       type(block_type), intent(in) :: block
       type(line_type), intent(in) :: line
       type(diagnostics_type), intent(inout) :: diagnostics
@@ -131,9 +131,9 @@ contains
          & 'give a coordinate, or a point that the beam names')
    end function beam_place
 
-   !> Coordinate along a beam of one of its points.
+   !> Coordinate of a named point along a beam [length].
    subroutine find_beam_point(block, name, x, found)
-      !> Of the beam
+      !> Block of the beam
       type(block_type), intent(in) :: block
       character(*), intent(in) :: name
       !> Unchanged if there is no such point
@@ -156,12 +156,12 @@ contains
       end select
    end subroutine find_beam_point
 
-   !> What responses are wanted to: what *ATTACHMENT names, and all that acts with CORRECTIONS=YES.
+   !> Chooses static functions: those of *ATTACHMENT, and with CORRECTIONS=YES those of all points of action.
    subroutine choose_attachments(deck, index, piece, pieces, beam, choice, diagnostics)
       type(deck_type), intent(in) :: deck
-      !> Block of the beam; which piece, of how many
+      !> Block of the beam; number of the piece, number of pieces
       integer, intent(in) :: index, piece, pieces
-      !> Gets nodes where something acts
+      !> Receives nodes at the points of action
       type(beam_type), intent(inout) :: beam
       type(reduction_type), intent(inout) :: choice
       type(diagnostics_type), intent(inout) :: diagnostics
@@ -181,7 +181,7 @@ contains
 
    contains
 
-      !> Coordinates that are on the beam.
+      !> Coordinates that lie on the beam.
       pure function within(x)
          real(wp), intent(in) :: x(:)
          real(wp), allocatable :: within(:)
@@ -190,11 +190,11 @@ contains
 
    end subroutine choose_attachments
 
-   !> Attachments that lie on a piece, with their coordinates along it.
+   !> Keeps the attachments on one piece, with coordinates along this piece.
    subroutine keep_piece(attachments, piece, pieces, length)
       type(attachment_type), allocatable, intent(inout) :: attachments(:)
       integer, intent(in) :: piece, pieces
-      !> Of a piece [length]
+      !> Length of a piece [length]
       real(wp), intent(in) :: length
       type(attachment_type), allocatable :: kept(:)
       integer :: i
@@ -203,7 +203,7 @@ contains
       call move_alloc(kept, attachments)
    end subroutine keep_piece
 
-   !> Attachments that are not among others.
+   !> Attachments that are not in the second list.
    pure function others(attachments, among) result(rest)
       type(attachment_type), intent(in) :: attachments(:), among(:)
       type(attachment_type), allocatable :: rest(:)
@@ -215,7 +215,7 @@ contains
       allocate (rest, source=pack(attachments, keep))
    end function others
 
-   !> What *ATTACHMENT names on a beam.
+   !> Reads the attachments of *ATTACHMENT on a beam.
    subroutine read_attachments(deck, index, named, diagnostics)
       type(deck_type), intent(in) :: deck
       integer, intent(in) :: index
@@ -247,7 +247,7 @@ contains
       end do
    end subroutine read_attachments
 
-   !> What joints, drivers and loads exert on a beam.
+   !> Attachments for all forces and couples of joints, drivers and loads on a beam.
    subroutine find_acting(deck, index, acting)
       type(deck_type), intent(in) :: deck
       integer, intent(in) :: index
@@ -266,11 +266,11 @@ contains
       end do
    end subroutine find_acting
 
-   !> The functions of an exact beam: how many, the support of its modes, which follows from the joints that hold it if the deck does
-   !> not say, the places within it where something acts, and whether moments and shear forces act at its ends.
+   !> Chooses the functions of an exact beam: their numbers; the support of the modes, by default from the joints; points of action
+   !> between the ends; moments and shear forces at the ends.
    subroutine choose_exact(deck, index, piece, pieces, body)
       type(deck_type), intent(in) :: deck
-      !> Block of the beam; which piece, of how many
+      !> Block of the beam; number of the piece, number of pieces
       integer, intent(in) :: index, piece, pieces
       type(body_type), intent(inout) :: body
       type(acting_type), allocatable :: points(:)
@@ -290,7 +290,7 @@ contains
          x = -1.0_wp
          do i = 1, size(points)
             call find_beam_point(block, trim(points(i)%name), x(i), found)
-            ! What lies on another piece counts as what no point has
+            ! A point on another piece gets the coordinate -1
             if (piece_at(x(i), length, pieces) /= piece) x(i) = -1.0_wp
             if (x(i) >= 0.0_wp) x(i) = max(x(i) - (piece - 1)*length, 0.0_wp)
          end do
@@ -324,7 +324,7 @@ contains
 
    contains
 
-      !> Where *ATTACHMENT, or CORRECTIONS=YES, asks for the response to a force along or across the beam, or to a couple.
+      !> Places with a static function of this part: 1 along the beam, 2 across, 3 couple.
       pure function attached(part) result(places)
          integer, intent(in) :: part
          real(wp), allocatable :: places(:)
@@ -333,21 +333,22 @@ contains
          end associate
       end function attached
 
-      !> Whether any of the points where it may act is at an end.
+      !> Whether one of these points is at an end.
       pure logical function acts(end, where)
          real(wp), intent(in) :: end
          logical, intent(in) :: where(:)
          acts = any(where .and. abs(x - end) < 1.0e-6_wp*length)
       end function acts
 
-      !> Whether a layer of bending spreads from an end. Weight makes a small one at a hinge: for beams whose tension the deck gives.
+      !> Whether a bending boundary layer starts at an end. Weight makes a small one at a hinge: it counts if the deck gives a
+      !> tension.
       pure logical function spreads(end)
          real(wp), intent(in) :: end
          spreads = acts(end, points%couple .or. points%clamped .or. (points%held .and. (deck%blocks(index)%given('TENSION') &
             & .or. abs(deck%blocks(index)%real('PRETENSION')) > 0.0_wp)))
       end function spreads
 
-      !> What holds an end.
+      !> Support of an end.
       pure function end_support(end) result(word)
          real(wp), intent(in) :: end
          character(:), allocatable :: word
@@ -358,7 +359,7 @@ contains
 
    end subroutine choose_exact
 
-   !> What a beam lacks for want of shear, as an exact beam in one piece would in its place.
+   !> Computes the relative error of a beam for want of shear, from an exact beam in one piece in its place.
    subroutine weigh_shear(deck, index, material, section, body)
       type(deck_type), intent(in) :: deck
       !> Blocks of the beam, of its material and of its section
@@ -372,7 +373,7 @@ contains
       body%unsheared = unsheared_beam(deck, index, material, section, whole)
    end subroutine weigh_shear
 
-   !> Joints between which the modes of a beam do not follow how it stretches.
+   !> Warns of joints at two points of a beam whose modes have no axial strain between them.
    subroutine check_parts(deck, index, body, diagnostics)
       type(deck_type), intent(in) :: deck
       !> Block of the beam
@@ -401,10 +402,11 @@ contains
       end associate
    end subroutine check_parts
 
-   !> What moves or turns the frame of a beam with modes whose deck does not say what its frame is: the line through its ends.
+   !> Warns of drivers and torques on the frame of a modal beam without a given SUPPORT: the frame is then the line through its
+   !> ends.
    subroutine check_chord(deck, block, diagnostics)
       type(deck_type), intent(in) :: deck
-      !> Of the beam
+      !> Block of the beam
       type(block_type), intent(in) :: block
       type(diagnostics_type), intent(inout) :: diagnostics
       integer :: i
@@ -417,13 +419,13 @@ contains
          & ' meant, write SUPPORT=PINNED-ROLLER')
    end subroutine check_chord
 
-   !> Where spread loads begin and end within a beam, or a piece of it.
+   !> Start and end coordinates of distributed loads on a beam, along this piece [length].
    function ends_of_spreads(deck, block, piece, pieces, length) result(places)
       type(deck_type), intent(in) :: deck
-      !> Of the beam
+      !> Block of the beam
       type(block_type), intent(in) :: block
       integer, intent(in) :: piece, pieces
-      !> Of the piece [length]
+      !> Length of the piece [length]
       real(wp), intent(in) :: length
       real(wp), allocatable :: places(:), ends(:)
       integer :: i, k
@@ -439,7 +441,7 @@ contains
       end do
    end function ends_of_spreads
 
-   !> What the block says of the reduction.
+   !> Reduction options of the block.
    function new_choice(block) result(choice)
       type(block_type), intent(in) :: block
       type(reduction_type) :: choice
@@ -463,7 +465,7 @@ contains
       choice%origin = block%real('ORIGIN')
    end function new_choice
 
-   !> More modes than the lumped mass gives.
+   !> Reports more modes than the lumped mass provides.
    subroutine check_modes(block, body, diagnostics)
       type(block_type), intent(in) :: block
       type(body_type), intent(in) :: body
@@ -477,6 +479,7 @@ contains
 
    contains
 
+      !> Reports one number of modes above the available number.
       subroutine check_count(option, wanted, most, kind)
          character(*), intent(in) :: option, kind
          integer, intent(in) :: wanted, most

@@ -1,5 +1,5 @@
-!> Features of exact beams: profile, shear, curvature, heat, prestress. Sections along it, shear, initial curvature, heat and
-!> tension. Floor: model. Source: doc/theory, part 2, eqs. (2.47), (2.50)-(2.53).
+!> Features of exact beams: sections along the axis, shear, initial curvature, thermal strain and curvature, pretension. Floor:
+!> model. Source: doc/theory, part 2, eqs. (2.47), (2.50)-(2.53).
 module limber_model_beam_features
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
@@ -14,14 +14,14 @@ module limber_model_beam_features
    private
    public :: read_features, refuse_features
 
-   !> Options that exact beams only have, first those that are not for beams in segments
+   !> Options of exact beams only; the first `whole_only` of them are not for beams in segments
    character(*), parameter :: features(*) = [character(17) :: 'END SECTION', 'CURVATURE', 'SHEAR', 'THERMAL STRAIN', &
       & 'THERMAL CURVATURE', 'PRETENSION']
    integer, parameter :: whole_only = 2
 
 contains
 
-   !> Complains of what only an exact beam in one piece has.
+   !> Reports features on a beam without them: in segments, or not exact.
    subroutine refuse_features(deck, index, is_exact, diagnostics)
       type(deck_type), intent(in) :: deck
       !> Block of the beam
@@ -52,7 +52,7 @@ contains
       end associate
    end subroutine refuse_features
 
-   !> Whether a feature is written as having none of it, as an effective deck does.
+   !> Whether the given value of a feature means none of it, as in an effective deck.
    pure logical function is_off(block, feature)
       type(block_type), intent(in) :: block
       character(*), intent(in) :: feature
@@ -63,7 +63,7 @@ contains
       end select
    end function is_off
 
-   !> Reads all of it into the choice of an exact beam.
+   !> Reads all features into the options of an exact beam.
    subroutine read_features(deck, index, material, section, body, diagnostics)
       type(deck_type), intent(in) :: deck
       !> Blocks of the beam, of its material and of its section
@@ -96,6 +96,7 @@ contains
 
    contains
 
+      !> Reports a feature of the axial strain on a beam without strain functions.
       subroutine need_strain(option)
          character(*), intent(in) :: option
          associate (block => deck%blocks(index))
@@ -106,11 +107,11 @@ contains
 
    end subroutine read_features
 
-   !> Stretches of a beam: where they end, and the sections (blocks) at both ends of each.
+   !> Reads the stretches of a beam: their ends into `fibres%at`, and the sections (blocks) at both ends of each (stretches).
    subroutine read_stretches(deck, index, section, length, from, to, fibres, diagnostics)
       type(deck_type), intent(in) :: deck
       integer, intent(in) :: index, section
-      !> Of the beam, or of a piece of one that has no stretches
+      !> Length of the beam or piece [length]
       real(wp), intent(in) :: length
       integer, allocatable, intent(inout) :: from(:), to(:)
       type(profile_type), intent(inout) :: fibres
@@ -146,6 +147,7 @@ contains
 
    contains
 
+      !> Reports an unknown section.
       subroutine complain(field)
          integer, intent(in) :: field
          associate (line => deck%blocks(i)%lines(k))
@@ -156,7 +158,7 @@ contains
 
    end subroutine read_stretches
 
-   !> Areas, second moments, extreme fibres and second moments as the beam is curved, of the stretches.
+   !> Computes areas, second moments of area, extreme fibres, and second moments of the curved beam along the stretches.
    subroutine read_strengths(deck, index, from, to, fibres, diagnostics)
       type(deck_type), intent(in) :: deck
       integer, intent(in) :: index, from(:), to(:)
@@ -169,7 +171,7 @@ contains
       fibres%value = 1.0_wp
       do i = 1, size(from)
          before = diagnostics%count
-         ! The first one has been read, and complained of
+         ! The first section was read and checked before
          if (i > 1) call read_section(deck%blocks(from(i)), strength, diagnostics)
          if (to(i) /= from(i)) then
             call read_section(deck%blocks(to(i)), strength, diagnostics)
@@ -196,26 +198,27 @@ contains
       end do
    end subroutine read_strengths
 
-   !> The distance of the extreme fibre on the inner side from the axis, in radii of curvature.
+   !> Distance of the inner extreme fibre from the axis, in radii of curvature.
    pure real(wp) function inner_reach(arc, extreme) result(reach)
       !> Curvature [1/length]; distances to the left and to the right [length]
       real(wp), intent(in) :: arc, extreme(2)
       reach = abs(arc)*merge(extreme(1), extreme(2), arc > 0.0_wp)
    end function inner_reach
 
-   !> Warns of beams that are thick beside their radius of curvature: axial force and bending go together there, which the functions
-   !> leave out; and what the shape of a section is that the deck does not tell, eq. (2.55).
+   !> Warns of beams that are thick compared with their radius of curvature: the functions omit the coupling of axial force and
+   !> bending. Also warns if the shape of a curved section is unknown, eq. (2.55).
    subroutine warn_of_arc(deck, block, from, fibres, diagnostics)
       type(deck_type), intent(in) :: deck
-      !> Of the beam
+      !> Block of the beam
       type(block_type), intent(in) :: block
       !> Sections of the stretches (blocks)
       integer, intent(in) :: from(:)
       type(profile_type), intent(in) :: fibres
       type(diagnostics_type), intent(inout) :: diagnostics
-      !> What is worth a warning, relative: of stiffness and of stresses
+      !> Smallest relative error of stiffness or stress that gives a warning
       real(wp), parameter :: noticed = 0.01_wp
-      !> The stiffness of sections of unknown shape errs more; third moments, in second moments times the distance of both fibres
+      !> For an unknown shape: factor on the error of the stiffness; bound of the third moment, relative to the second moment times
+      !> the difference of the fibre distances
       real(wp), parameter :: plain = 3.0_wp, skew = 0.4_wp
       character(:), allocatable :: text
       real(wp) :: soft, stress
@@ -245,7 +248,7 @@ contains
       end associate
    end subroutine warn_of_arc
 
-   !> What shear needs of material and sections.
+   !> Checks material and sections for shear: Poisson's ratio, shear factor.
    subroutine check_shear(deck, material, from, to, diagnostics)
       type(deck_type), intent(in) :: deck
       integer, intent(in) :: material, from(:), to(:)
@@ -267,7 +270,7 @@ contains
       end do
    end subroutine check_shear
 
-   !> Rigidities and masses along the beam.
+   !> Computes rigidities and masses along the beam.
    subroutine multiply(deck, material, from, to, shear, fibres, profile)
       type(deck_type), intent(in) :: deck
       integer, intent(in) :: material, from(:), to(:)
@@ -295,7 +298,7 @@ contains
       end associate
    end subroutine multiply
 
-   !> The uniform beam that the modes are those of.
+   !> Sets the mean values of the beam for its modes, if it is not uniform and straight.
    subroutine use_mean(body)
       type(body_type), intent(inout) :: body
       real(wp) :: mean(profile_values)

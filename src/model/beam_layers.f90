@@ -9,21 +9,21 @@ module limber_model_beam_layers
    private
    public :: layer_lengths
 
-   !> Tension from which on layers have functions of their own, in units of E I/L^2
+   !> Smallest tension that needs extra functions for boundary layers [E I/L^2]
    real(wp), parameter :: least_tension = 500.0_wp
-   !> Each layer is so many times as long as the one before: tensions between have what both make
+   !> Ratio of the lengths of neighbouring layers: functions of both together cover the tensions between them
    real(wp), parameter :: ratio = 4.0_wp
-   !> The most layers, for ropes
+   !> Largest number of layers, reached by ropes
    integer, parameter :: most = 8
-   !> Instants at which laws of the time are looked at
+   !> Number of instants at which laws of time are sampled
    integer, parameter :: instants = 50
 
 contains
 
-   !> Lengths of the layers of a beam, or of a piece of it, ascending; none where the tension does not matter.
+   !> Lengths of the boundary layers of a beam or piece, ascending [length]; empty if the tension is small.
    pure function layer_lengths(deck, block, beam) result(lengths)
       type(deck_type), intent(in) :: deck
-      !> Of the beam
+      !> Block of the beam
       type(block_type), intent(in) :: block
       !> The beam, or the piece
       type(beam_type), intent(in) :: beam
@@ -39,7 +39,7 @@ contains
       end do
    end function layer_lengths
 
-   !> The largest tension that the deck tells: the option, or the sum of what follows.
+   !> Largest tension expected from the deck: TENSION, or the sum of the contributions below [force].
    pure real(wp) function tension_of(deck, block, beam) result(tension)
       type(deck_type), intent(in) :: deck
       type(block_type), intent(in) :: block
@@ -59,11 +59,11 @@ contains
          & + by_forces(deck, block)
    end function tension_of
 
-   !> Of the fastest *STATICS with ROTATION, of the spin at first, or of a driver of its angle.
+   !> Tension by rotation: the fastest *STATICS with ROTATION, the initial spin, or a driver of the beam's angle.
    pure real(wp) function by_rotation(deck, block, mass, moment) result(tension)
       type(deck_type), intent(in) :: deck
       type(block_type), intent(in) :: block
-      !> Mass, and its moment about the start
+      !> Mass, and its first moment about the start
       real(wp), intent(in) :: mass, moment
       real(wp) :: radius, last, rate
       integer :: i, k
@@ -89,7 +89,7 @@ contains
       end associate
    end function by_rotation
 
-   !> Of the weight, whatever its direction: most clamped beams that carry their weight along themselves hang.
+   !> Tension by the weight, for any direction of it: most clamped beams under axial weight hang.
    pure real(wp) function by_weight(deck, mass) result(tension)
       type(deck_type), intent(in) :: deck
       real(wp), intent(in) :: mass
@@ -101,7 +101,7 @@ contains
       end do
    end function by_weight
 
-   !> Of the forces on its end, as far as they are functions of the time, where they pull in the direction that it has at first.
+   !> Tension by forces on the end that depend on time alone; the component along the initial axis counts.
    pure real(wp) function by_forces(deck, block) result(tension)
       type(deck_type), intent(in) :: deck
       type(block_type), intent(in) :: block
@@ -125,7 +125,7 @@ contains
       tension = max(0.0_wp, maxval(pull, pull < huge(1.0_wp)))
    end function by_forces
 
-   !> A law, or its rate, at an instant.
+   !> A law, or its rate, at time t.
    pure real(wp) function law_at(law, t, order) result(value)
       type(expression_type), intent(in) :: law
       real(wp), intent(in) :: t
@@ -136,7 +136,7 @@ contains
       value = merge(jet%first, jet%value, order == 1)
    end function law_at
 
-   !> Whether a law depends on nothing but the time.
+   !> Whether a law depends on time alone: each of its variables has no argument.
    pure logical function of_time(law)
       type(expression_type), intent(in) :: law
       integer :: i
@@ -146,7 +146,7 @@ contains
       end do
    end function of_time
 
-   !> Last instant of the analyses; at least the second that loads grow in.
+   !> Last time of the analyses, at least 1: in this time loads grow.
    pure real(wp) function end_of(deck) result(t)
       type(deck_type), intent(in) :: deck
       integer :: i

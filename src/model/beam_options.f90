@@ -9,9 +9,9 @@ module limber_model_beam_options
 
 contains
 
-   !> A warning for each option of modes that is given for an exact beam, and of an exact beam that is given for another one.
+   !> Warns of options of modal beams on an exact beam, and of options of exact beams on another beam.
    subroutine check_options(block, diagnostics)
-      !> Of the beam
+      !> Block of the beam
       type(block_type), intent(in) :: block
       type(diagnostics_type), intent(inout) :: diagnostics
       if (block%word('GEOMETRIC') == 'EXACT') then
@@ -26,6 +26,7 @@ contains
 
    contains
 
+      !> Warns of each given option of the list.
       subroutine look(options, kind, remedy)
          character(*), intent(in) :: options(:), kind, remedy
          integer :: i

@@ -1,7 +1,6 @@
-!> Beams in segments: pieces with a frame each. Equal pieces with a floating frame each, welded end to end, for deflections that one
-!> frame cannot follow. Each piece deflects little from its own frame, so that the sum approaches the geometrically exact beam.
-!> `model/bodies` builds the pieces as bodies; the deck names the whole beam only, and here is found which piece is meant. Floor:
-!> model. Source: doc/theory, part 2.
+!> Beams in segments: pieces with a frame each. The pieces are equal, each has a floating frame, and they are welded end to end, for
+!> deflections beyond the range of one frame. Each piece deflects little from its own frame; the sum approaches the geometrically
+!> exact beam. The deck names the whole beam; this module finds the piece. Floor: model. Source: doc/theory, part 2.
 module limber_model_beam_segments
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
@@ -22,15 +21,15 @@ module limber_model_beam_segments
 
 contains
 
-   !> Number of pieces that a beam is divided into; a rigid one is not.
+   !> Number of pieces of a beam; 1 for a rigid beam.
    pure integer function number_of_pieces(block) result(pieces)
       type(block_type), intent(in) :: block
       pieces = max(1, block%integer('SEGMENTS'))
       if (block%word('GEOMETRIC') == 'RIGID') pieces = 1
    end function number_of_pieces
 
-   !> The frame of a piece: along its chord, from its start; but the frame of the first piece of a beam that is clamped at its
-   !> start is the section there, which is the frame of the whole beam.
+   !> Chooses the frame of a piece: along its chord, from its start. Exception: for a clamped start, the frame of the first piece is
+   !> the section at the start, the frame of the whole beam.
    subroutine choose_frame(block, piece, choice)
       type(block_type), intent(in) :: block
       integer, intent(in) :: piece
@@ -43,12 +42,13 @@ contains
       end if
    end subroutine choose_frame
 
+   !> Whether the start of the beam is clamped.
    pure logical function is_clamped(block)
       type(block_type), intent(in) :: block
       is_clamped = index(block%word('SUPPORT'), 'CLAMPED-') == 1
    end function is_clamped
 
-   !> Name of a piece, and its guess: the whole beam straight, and moving as one rigid body.
+   !> Sets name and initial guess of a piece: the whole beam straight, in the motion of one rigid body.
    subroutine place_piece(block, piece, pieces, body)
       type(block_type), intent(in) :: block
       integer, intent(in) :: piece, pieces
@@ -60,7 +60,7 @@ contains
       body%velocity = body%velocity + body%spin*[-offset(2), offset(1)]
    end subroutine place_piece
 
-   !> The piece where a coordinate along the whole beam lies, counted from 1; where two meet the first of them.
+   !> Piece that contains a coordinate along the whole beam, counted from 1; at a boundary the lower one.
    pure integer function piece_at(s, length, pieces) result(piece)
       !> Coordinate, and length of a piece [length]
       real(wp), intent(in) :: s, length
@@ -71,7 +71,7 @@ contains
       piece = pieces
    end function piece_at
 
-   !> Makes a whole of the pieces from the first one to the body that was added last; its name stands for the first piece.
+   !> Joins pieces to a whole, from `first` to the last body of the model. The name of the whole refers to its first piece.
    subroutine unite(model, block, first)
       type(model_type), intent(inout) :: model
       type(block_type), intent(in) :: block
@@ -87,7 +87,7 @@ contains
       call append_whole(model, whole)
    end subroutine unite
 
-   !> Appends a whole; its name stands for its first piece.
+   !> Appends a whole. Its name refers to its first piece.
    subroutine append_whole(model, whole)
       type(model_type), intent(inout) :: model
       type(whole_type), intent(in) :: whole
@@ -105,7 +105,7 @@ contains
    !> Welds each piece of a beam to the one before it.
    subroutine weld_pieces(model, index)
       type(model_type), intent(inout) :: model
-      !> Of the whole
+      !> Index of the whole
       integer, intent(in) :: index
       type(joint_type) :: weld
       integer :: body
@@ -121,7 +121,7 @@ contains
       end do
    end subroutine weld_pieces
 
-   !> Adds a point of a beam, or of a piece.
+   !> Adds a point of a beam or piece.
    subroutine add_beam_point(model, name, body, s)
       type(model_type), intent(inout) :: model
       character(*), intent(in) :: name
@@ -142,7 +142,7 @@ contains
       model%points(model%counts%points)%along = s
    end subroutine add_beam_point
 
-   !> First and last body of a beam that is known by one of its pieces; of any other body itself.
+   !> First and last body of the whole beam of a piece (2); for any other body the body itself.
    pure function pieces_of(model, body) result(pieces)
       type(model_type), intent(in) :: model
       integer, intent(in) :: body
@@ -153,7 +153,7 @@ contains
          & model%wholes(model%bodies(body)%whole)%last]
    end function pieces_of
 
-   !> Coordinate along the whole beam of the start of a piece; zero of any other body, and of a member of a frame [length].
+   !> Coordinate of the start of a piece along the whole beam [length]; 0 for any other body and for members of a frame.
    pure real(wp) function piece_start(model, body) result(start)
       type(model_type), intent(in) :: model
       integer, intent(in) :: body
@@ -164,7 +164,7 @@ contains
       end associate
    end function piece_start
 
-   !> Name of a body in the deck: of a piece that of the whole beam.
+   !> Name of a body in the deck; for a piece the name of the whole beam.
    pure function name_in_deck(model, body) result(name)
       type(model_type), intent(in) :: model
       integer, intent(in) :: body
@@ -173,7 +173,7 @@ contains
       if (model%bodies(body)%whole > 0) name = model%wholes(model%bodies(body)%whole)%name
    end function name_in_deck
 
-   !> Whether a body has a frame that can be driven or pushed: a beam in segments has only if it is clamped at its start.
+   !> Whether the deck can drive or load the frame of a body: not for a beam in segments, unless its start is clamped.
    pure logical function has_frame(model, body)
       type(model_type), intent(in) :: model
       integer, intent(in) :: body
@@ -182,15 +182,15 @@ contains
       if (model%bodies(body)%whole > 0) has_frame = model%wholes(model%bodies(body)%whole)%clamped
    end function has_frame
 
-   !> Index of the body of a name whose frame is meant; 0 if there is none, with a complaint if it is a beam in segments without
-   !> a frame of its own, or a frame of exact beams.
+   !> Index of a body by name, for use of its frame; 0 if there is none. Adds an error for a beam in segments or a large frame,
+   !> which have no single frame.
    integer function find_frame(model, name, origin, diagnostics, instead) result(body)
       type(model_type), intent(in) :: model
       character(*), intent(in) :: name
-      !> Where it is named
+      !> Place of the name in the deck
       type(origin_type), intent(in) :: origin
       type(diagnostics_type), intent(inout) :: diagnostics
-      !> What to write instead; default a point or a joint
+      !> Suggestion of the message; default: a point or a joint
       character(*), intent(in), optional :: instead
       character(:), allocatable :: remedy
       body = find_body(model, name)

@@ -1,4 +1,4 @@
-!> Beams of the deck, whole or in segments. Their reduction to modes, their bodies and named points. Floor: model.
+!> Beams of the deck, in one piece or in segments: modal reduction, bodies and named points. Floor: model.
 module limber_model_beams
    use limber_base_kinds, only: wp, long
    use limber_base_error, only: error_type
@@ -20,19 +20,19 @@ module limber_model_beams
    private
    public :: add_beam
 
-   !> Most memory of the constants and shapes of all bodies [bytes]
+   !> Memory limit for the constants and shapes of all bodies [bytes]
    integer(long), parameter :: max_bytes = 1024_long*1024**2
 
 contains
 
-   !> A beam, in one piece or in SEGMENTS of them.
+   !> Adds a beam, in one piece or in SEGMENTS pieces.
    subroutine add_beam(deck, index, model, diagnostics, library)
       type(deck_type), intent(inout) :: deck
       !> Index of the block
       integer, intent(in) :: index
       type(model_type), intent(inout) :: model
       type(diagnostics_type), intent(inout) :: diagnostics
-      !> Reductions of other models
+      !> Modal reductions for reuse
       type(library_type), intent(inout), optional :: library
       integer :: pieces, piece, before, first
       pieces = number_of_pieces(deck%blocks(index))
@@ -42,7 +42,7 @@ contains
          call check_memory(deck%blocks(index), first, pieces - piece + 1, model, diagnostics)
          if (diagnostics%count > before .and. piece > 1) exit
          call add_piece(deck, index, piece, pieces, model, diagnostics, library)
-         ! what is wrong with the first piece is wrong with all
+         ! An error of the first piece holds for all pieces
          if (piece == 1 .and. diagnostics%count > before) exit
       end do
       if (model%counts%bodies > first) then
@@ -56,10 +56,10 @@ contains
       if (model%counts%bodies > first) call weld_pieces(model, model%bodies(first)%whole)
    end subroutine add_beam
 
-   !> Refuses a beam whose pieces, all like the first, or the scene, would take too much memory, before it is asked for.
+   !> Reports too much memory before it is allocated: the model so far and the pieces that follow, which need as much as the first.
    subroutine check_memory(block, first, left, model, diagnostics)
       type(block_type), intent(in) :: block
-      !> Index of its first body, and number of pieces that are left
+      !> Index of the first piece, and number of pieces to be added
       integer, intent(in) :: first, left
       type(model_type), intent(in) :: model
       type(diagnostics_type), intent(inout) :: diagnostics
@@ -71,14 +71,14 @@ contains
          & 'ask for fewer modes, elements, segments or beams')
    end subroutine check_memory
 
-   !> One piece of a beam: a body.
+   !> Adds one piece of a beam as a body.
    subroutine add_piece(deck, index, piece, pieces, model, diagnostics, library)
       type(deck_type), intent(inout) :: deck
-      !> Index of the block; which piece, of how many
+      !> Index of the block; number of the piece, number of pieces
       integer, intent(in) :: index, piece, pieces
       type(model_type), intent(inout) :: model
       type(diagnostics_type), intent(inout) :: diagnostics
-      !> Reductions of other models
+      !> Modal reductions for reuse
       type(library_type), intent(inout), optional :: library
       type(body_type) :: body
       type(error_type), allocatable :: error
@@ -103,7 +103,7 @@ contains
          if (present(library) .and. .not. (usable .or. allocated(error))) call library%put(fingerprint(body), body%reduced, &
             & body%field, body%note)
          if (allocated(error)) then
-            ! A section or material in error is told already
+            ! Errors of a section or material were reported before
             if (diagnostics%is_told(deck%blocks(index)%name('SECTION')) .or. &
                & diagnostics%is_told(deck%blocks(index)%name('MATERIAL'))) then
                call diagnostics%follow()
@@ -128,14 +128,14 @@ contains
       if (usable) call enter_name(model, 'beam', fingerprint(body), added)
    end subroutine add_piece
 
-   !> Index of a beam that was reduced already and is the same to the bit; 0: none.
+   !> Index of an identical beam that is reduced already (identical to the last bit); 0 if there is none.
    pure integer function find_twin(model, body) result(twin)
       type(model_type), intent(in) :: model
       type(body_type), intent(in) :: body
       twin = find_named(model, 'beam', fingerprint(body))
    end function find_twin
 
-   !> All that the reduction of a beam follows from, as one text: beams with the same one have the same modes.
+   !> All data that determine the reduction of a beam, as text. Beams with equal text have equal modes.
    pure function fingerprint(body) result(text)
       type(body_type), intent(in) :: body
       character(:), allocatable :: text
@@ -154,7 +154,7 @@ contains
       end associate
    end function fingerprint
 
-   !> The same of an exact beam.
+   !> The same for the data of an exact beam.
    pure function exact_text(choice) result(text)
       type(exact_choice_type), intent(in) :: choice
       character(:), allocatable :: text
@@ -178,6 +178,7 @@ contains
       end do
    end function exact_text
 
+   !> Numbers in hexadecimal.
    pure function numbers_text(values) result(text)
       real(wp), intent(in) :: values(:)
       character(17*size(values)) :: text
@@ -187,6 +188,7 @@ contains
       end do
    end function numbers_text
 
+   !> Attachments as text: places and parts.
    pure function attachments_text(attachments) result(text)
       type(attachment_type), allocatable, intent(in) :: attachments(:)
       character(:), allocatable :: text
@@ -200,7 +202,7 @@ contains
       end do
    end function attachments_text
 
-   !> Choices that are known to give wrong answers.
+   !> Warns of choices with known wrong results.
    subroutine warn_of_basis(block, body, diagnostics)
       type(block_type), intent(in) :: block
       type(body_type), intent(in) :: body
@@ -211,10 +213,10 @@ contains
       call warn_of_rounding(real(body%beam%elements, wp), block%origin_of('ELEMENTS'), "beam '"//body%name//"'", diagnostics)
    end subroutine warn_of_basis
 
-   !> Points of the beam that was added last: start, middle, end, and the named ones, `name, coordinate` a line.
+   !> Adds the points of the last beam: origin, start, middle, end, and the points of its data lines, `name, coordinate`.
    subroutine add_beam_points(block, first, model, diagnostics)
       type(block_type), intent(in) :: block
-      !> Index of its body, or of that of its first piece
+      !> Index of its body or first piece
       integer, intent(in) :: first
       type(model_type), intent(inout) :: model
       type(diagnostics_type), intent(inout) :: diagnostics
@@ -242,6 +244,7 @@ contains
 
    contains
 
+      !> Adds a point at coordinate s along the whole beam.
       subroutine place(name, s)
          character(*), intent(in) :: name
          real(wp), intent(in) :: s
@@ -251,7 +254,7 @@ contains
             & min(max(s - (piece - 1)*length/pieces, 0.0_wp), length/pieces))
       end subroutine place
 
-      !> Name of a point in the model: a point of a frame that its member carries has the name of the frame.
+      !> Name of a point in the model. A point of a large frame on this member has the frame's name.
       pure function full_name(name)
          character(*), intent(in) :: name
          character(:), allocatable :: full_name

@@ -1,4 +1,4 @@
-!> Rigid bodies, point masses and named points. Floor: model.
+!> Rigid bodies, point masses and their named points. Floor: model.
 module limber_model_bodies
    use limber_base_kinds, only: wp, long
    use limber_base_text, only: as_text
@@ -16,7 +16,7 @@ module limber_model_bodies
 
 contains
 
-   !> The guess of a body's place and motion, common to all kinds.
+   !> A body with its initial guess of position and velocity from the deck.
    function new_body(block, kind) result(body)
       type(block_type), intent(in) :: block
       integer, intent(in) :: kind
@@ -33,6 +33,7 @@ contains
       body%given(6) = block%given('SPIN')
    end function new_body
 
+   !> Adds a rigid body with its points.
    subroutine add_rigid_body(block, model, diagnostics)
       type(block_type), intent(in) :: block
       type(model_type), intent(inout) :: model
@@ -52,6 +53,7 @@ contains
       model%bodies(index)%size = extent(model, index)
    end subroutine add_rigid_body
 
+   !> Adds a point mass; its only point is `origin`.
    subroutine add_point_mass(block, model)
       type(block_type), intent(in) :: block
       type(model_type), intent(inout) :: model
@@ -82,7 +84,7 @@ contains
       if (allocated(body%shape)) bytes = bytes + 8*size(body%shape, kind=long)
    end function memory_of
 
-   !> Named points of the ground and of rigid bodies, `name, x, y` a line.
+   !> Adds named points of the ground or of a rigid body. Each data line is `name, x, y`.
    subroutine add_points(block, owner, index, model, diagnostics)
       type(block_type), intent(in) :: block
       character(*), intent(in) :: owner
@@ -98,8 +100,8 @@ contains
       end do
    end subroutine add_points
 
-   !> Complains of a point that has the name of one that every body of its kind has. (What the deck names twice, the reader
-   !> has complained of.)
+   !> Whether a point name is new. Adds an error for the name of a standard point, such as 'origin'. Other repeated names were
+   !> reported by the reader.
    logical function is_new_point(model, name, origin, diagnostics)
       type(model_type), intent(in) :: model
       character(*), intent(in) :: name
@@ -112,9 +114,9 @@ contains
          & "point '"//name//"' is there without being defined", 'choose another name')
    end function is_new_point
 
-   !> Round-off of the stiffness of very short elements, against which the lowest modes bend by little, eq. (2.3).
+   !> Warns of round-off in the stiffness of very short elements: its relative effect on the lowest frequency, eq. (2.3).
    subroutine warn_of_rounding(slenderness, origin, what, diagnostics)
-      !> Length of the body over that of its shortest element
+      !> Length of the body divided by the length of its shortest element
       real(wp), intent(in) :: slenderness
       type(origin_type), intent(in) :: origin
       !> 'beam ...'
@@ -127,8 +129,8 @@ contains
          & ' frequency wrong by a part of about '//as_text(part, 1), 'a hundred elements along it are enough for most modes')
    end subroutine warn_of_rounding
 
-   !> Largest distance between two points of the body that was added last [length]. Of many points only the extreme ones in so many
-   !> directions are compared: the distance is too short by at most 0.5 % then.
+   !> Largest distance between two points of the last body [length]. For many points only the extreme points in some directions are
+   !> compared; the result is then too small by at most 0.5 %.
    pure real(wp) function extent(model, body)
       type(model_type), intent(in) :: model
       integer, intent(in) :: body
@@ -155,7 +157,7 @@ contains
       end do
    end function extent
 
-   !> Index of the point that lies farthest in a direction [rad].
+   !> Index of the farthest point in a direction [rad].
    pure integer function extreme(points, direction)
       type(point_type), intent(in) :: points(:)
       real(wp), intent(in) :: direction

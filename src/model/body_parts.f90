@@ -1,4 +1,4 @@
-!> Blocks that belong to a body, and concentrated masses. Floor: model.
+!> Blocks that belong to a body: nodes, elements, masses, attachments. Floor: model.
 module limber_model_body_parts
    use limber_deck_content, only: deck_type
    use limber_deck_diagnostics, only: diagnostics_type
@@ -12,7 +12,7 @@ module limber_model_body_parts
 
 contains
 
-   !> Whether a block is a part of a body of the deck, given by its block too.
+   !> Whether a block is part of a body. The body is given by its block.
    pure logical function is_part(deck, block, body)
       type(deck_type), intent(in) :: deck
       !> Indices of blocks
@@ -21,7 +21,7 @@ contains
       if (is_part) is_part = owner_of(deck, block) == body
    end function is_part
 
-   !> Block of the body that a part belongs to: the one that it names, else the last above; 0: none.
+   !> Block of the body to which a part belongs: the body named by BODY, else the last body above the part; 0 if there is none.
    pure integer function owner_of(deck, block) result(owner)
       type(deck_type), intent(in) :: deck
       integer, intent(in) :: block
@@ -36,7 +36,7 @@ contains
       end do
    end function owner_of
 
-   !> Complains of parts that belong to no body.
+   !> Reports parts that belong to no body.
    subroutine check_parts(deck, diagnostics)
       type(deck_type), intent(in) :: deck
       type(diagnostics_type), intent(inout) :: diagnostics

@@ -1,5 +1,5 @@
-!> Builder of the model from the deck. The one module that knows both. Everything that the deck's grammar cannot know is checked
-!> here, and every complaint points into the deck. Floor: model.
+!> Builder of the model from the deck. It checks everything beyond the grammar of the deck. Each error gives its place in the deck.
+!> Floor: model.
 module limber_model_build
    use limber_base_kinds, only: wp
    use limber_deck_content, only: deck_type, block_type, tell_block
@@ -34,13 +34,13 @@ module limber_model_build
 
 contains
 
-   !> Builds the model; complaints are collected in `diagnostics`. Choices that the deck leaves open are written into it, so
-   !> that the effective deck shows them.
+   !> Builds the model and collects errors in `diagnostics`. Choices that the deck leaves open are written into it, so that the
+   !> effective deck shows them.
    subroutine build_model(deck, model, diagnostics, library)
       type(deck_type), intent(inout) :: deck
       type(model_type), intent(out) :: model
       type(diagnostics_type), intent(inout) :: diagnostics
-      !> Reductions of models that were built before; those of this one are added
+      !> Modal reductions of earlier models, for reuse; new ones are added
       type(library_type), intent(inout), optional :: library
       type(deck_type) :: expanded
       if (has_large_frames(deck)) then
@@ -53,7 +53,7 @@ contains
       end if
    end subroutine build_model
 
-   !> The same of a deck whose large frames are beams.
+   !> The same for a deck whose large frames are expanded into beams.
    subroutine build_blocks(deck, model, diagnostics, library)
       type(deck_type), intent(inout) :: deck
       type(model_type), intent(out) :: model
@@ -139,13 +139,13 @@ contains
          & 'the deck has no body; it needs at least one *RIGID BODY, *POINT MASS, *BEAM or *FRAME')
    end subroutine build_blocks
 
-   !> Whether a keyword has an ANGLE of a frame or a line at the start.
+   !> Whether a keyword has an option ANGLE for an initial direction.
    pure logical function has_angle(keyword)
       character(*), intent(in) :: keyword
       has_angle = any([character(12) :: 'RIGID BODY', 'BEAM', 'FRAME', 'JOINT', 'BUSHING'] == keyword)
    end function has_angle
 
-   !> Notes that an envelope of a body's internal forces is asked for.
+   !> Marks the body whose envelope of section forces the deck asks for.
    subroutine want_envelope(block, model, diagnostics)
       type(block_type), intent(in) :: block
       type(model_type), intent(inout) :: model
@@ -161,7 +161,7 @@ contains
          & object=block%name('ENVELOPE'))
    end subroutine want_envelope
 
-   !> What is asked of the errors.
+   !> Reads *ACCURACY.
    subroutine read_accuracy(block, model, diagnostics)
       type(block_type), intent(in) :: block
       type(model_type), intent(inout) :: model
@@ -174,7 +174,7 @@ contains
          & block%origin_of('TARGET'), 'no error that can be aimed at', 'give a relative error from 1e-9 to 0.1')
    end subroutine read_accuracy
 
-   !> Heading and units.
+   !> Reads heading and units.
    subroutine read_labels(deck, model)
       type(deck_type), intent(in) :: deck
       type(model_type), intent(inout) :: model
@@ -198,7 +198,7 @@ contains
    end subroutine read_labels
 
 
-   !> Characteristic length: the largest body, or where there is none with size, the spread of the guesses; at last 1.
+   !> Characteristic length: size of the largest body; without any size the extent of the initial positions; else 1.
    pure real(wp) function scene_length(model) result(length)
       type(model_type), intent(in) :: model
       integer :: i
@@ -218,11 +218,11 @@ contains
       if (.not. length > 0.0_wp) length = 1.0_wp
    end function scene_length
 
-   !> Twice the largest distance of a place of a body, or of a point of the ground that the deck names, from the middle of them all:
-   !> the same wherever the origin is. Zero if there is one place only.
+   !> Twice the largest distance of the bodies and named ground points from their mean position; independent of the origin. 0 if
+   !> they are at one place.
    pure real(wp) function extent(model)
       type(model_type), intent(in) :: model
-      !> Part of the distance from the origin within which places are one
+      !> Distances below this fraction of the distance to the origin count as zero
       real(wp), parameter :: together = 1.0e-9_wp
       real(wp) :: middle(2), farthest
       integer :: i, count
@@ -250,6 +250,7 @@ contains
 
    contains
 
+      !> Whether a point is a named point of the ground.
       pure logical function is_place(i)
          integer, intent(in) :: i
          is_place = model%points(i)%body == ground .and. model%points(i)%name /= 'ground.origin'

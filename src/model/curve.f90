@@ -1,6 +1,6 @@
-!> Curves of joints in the frame of a body. A spline through points, open or closed, or y as an expression of x. As a function f(x,
-!> y) that is zero on the curve: the signed distance from the spline, positive on its left, or y - y(x). An expression that is made
-!> of several formulas can be limited to one of its pieces. Floor: model. Source: doc/theory, eqs. (3.28), (5.59).
+!> Curves of joints in the frame of a body: a spline through points, open or closed, or y as an expression of x. `evaluate` gives a
+!> function f(x, y) with f = 0 on the curve: the signed distance from the spline, positive on its left, or y - y(x). An expression
+!> of several formulas can be limited to one piece. Floor: model. Source: doc/theory, eqs. (3.28), (5.59).
 module limber_model_curve
    use limber_base_kinds, only: wp
    use limber_base_spline, only: spline_moments, spline_at, spline_natural, spline_closed
@@ -15,13 +15,13 @@ module limber_model_curve
       !> True if y is an expression of x
       logical :: explicit = .false.
       type(expression_type) :: expression
-      !> Ends of the piece of it that counts, and value and derivatives at these: beyond, the curve is a parabola
+      !> Range of x of the active piece, and y with derivatives at its ends; beyond them the curve is a parabola
       real(wp) :: low = -huge(1.0_wp), high = huge(1.0_wp)
       type(jet_type) :: at_low, at_high
-      !> Whether the spline is closed or ends straight
+      !> Ends of the spline: closed, or natural (straight)
       integer :: ends = spline_natural
-      !> Lengths of chords up to each point, coordinates there, and their second derivatives (points). No splines: of two
-      !> components of one type gfortran 12 gives back the parts of the first only
+      !> Chord lengths up to each point, coordinates, and their second derivatives (points). No components of a spline type: with
+      !> two of them gfortran 12 returns parts of the first one only
       real(wp), allocatable :: s(:), x(:), y(:), x_bent(:), y_bent(:)
    contains
       procedure :: evaluate, height, past
@@ -37,10 +37,10 @@ contains
       curve%expression = expression
    end function expression_curve
 
-   !> Lets only the piece of an expression between two places count.
+   !> Limits an expression to a range of x.
    subroutine limit_curve(self, low, high)
       type(curve_type), intent(inout) :: self
-      !> Ends, huge ones for none; what the curve does right at them belongs to the piece
+      !> Ends of the range, +-huge for none; values just at the ends belong to the piece
       real(wp), intent(in) :: low, high
       call release_curve(self)
       if (low > -huge(low)) self%at_low = self%expression%evaluate_jet(low)
@@ -49,14 +49,14 @@ contains
       self%high = high
    end subroutine limit_curve
 
-   !> Lets all of an expression count.
+   !> Removes the limits of an expression.
    subroutine release_curve(self)
       type(curve_type), intent(inout) :: self
       self%low = -huge(self%low)
       self%high = huge(self%high)
    end subroutine release_curve
 
-   !> y of an expression at a place x, with its derivatives.
+   !> y of an expression at x, with its derivatives.
    pure function height(self, x) result(y)
       class(curve_type), intent(in) :: self
       real(wp), intent(in) :: x
@@ -70,10 +70,10 @@ contains
       end if
    end function height
 
-   !> How far a place is behind an end of an open spline, along its tangent there; zero where it is not [length].
+   !> Distance of a place beyond an end of an open spline, along the tangent there; 0 otherwise [length].
    pure real(wp) function past(self, place)
       class(curve_type), intent(in) :: self
-      !> On the curve
+      !> A place on the curve (2) [length]
       real(wp), intent(in) :: place(2)
       real(wp) :: x(0:2, 2)
       integer :: n, knot
@@ -87,7 +87,7 @@ contains
       past = max(0.0_wp, merge(-1, 1, knot == 1)*dot_product(place - x(0, :), x(1, :))/norm2(x(1, :)))
    end function past
 
-   !> A parabola at a distance from where it touches.
+   !> Parabola through a point, with its slope and curvature, at a distance from this point.
    pure type(jet_type) function beyond(at, distance)
       type(jet_type), intent(in) :: at
       real(wp), intent(in) :: distance
@@ -96,7 +96,7 @@ contains
 
    !> The spline through points.
    pure function spline_curve(points, closed) result(curve)
-      !> (2, points): at least two, each away from the next; a closed one does not name the first again
+      !> (2, points): at least two, neighbours distinct; a closed curve does not repeat the first
       real(wp), intent(in) :: points(:, :)
       logical, intent(in) :: closed
       type(curve_type) :: curve
@@ -121,7 +121,7 @@ contains
    !> f, its gradient (2) and second derivatives (2,2) at a place.
    pure subroutine evaluate(self, place, f, gradient, hessian)
       class(curve_type), intent(in) :: self
-      !> [length]
+      !> A place in the frame of the body (2) [length]
       real(wp), intent(in) :: place(2)
       real(wp), intent(out) :: f, gradient(2), hessian(2, 2)
       type(jet_type) :: y
@@ -146,7 +146,7 @@ contains
       end do
    end subroutine evaluate
 
-   !> The point of the spline nearest to a place, with its derivatives (0:2, 2): Newton's method from the nearest knot.
+   !> Point of the spline nearest to a place, with derivatives (0:2, 2): Newton's method from the nearest knot.
    pure subroutine nearest(self, place, x)
       type(curve_type), intent(in) :: self
       real(wp), intent(in) :: place(2)

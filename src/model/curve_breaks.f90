@@ -1,5 +1,5 @@
-!> Places at which a curve changes its formula. It jumps there, or has a kink, or bends otherwise than before. Floor: model. Source:
-!> doc/theory, eqs. (5.43), (5.58).
+!> Places at which the formula of a curve changes: jumps, kinks, jumps of the second derivative. Floor: model. Source: doc/theory,
+!> eqs. (5.43), (5.58).
 module limber_model_curve_breaks
    use, intrinsic :: ieee_exceptions, only: ieee_status_type, ieee_get_status, ieee_set_status, ieee_set_halting_mode, ieee_all
    use limber_base_kinds, only: wp
@@ -11,24 +11,24 @@ module limber_model_curve_breaks
    private
    public :: curve_break_type, find_curve_breaks
 
-   !> What happens at a place: nothing that matters, y jumps, its slope does, its curvature does
+   !> Kinds of breaks: none that matters, jump of y, of its slope, of its second derivative
    integer, parameter, public :: break_none = 0, break_jump = 1, break_kink = 2, break_bend = 3
 
-   !> A place of a curve
+   !> A break of a curve
    type :: curve_break_type
       integer :: kind = break_none
-      !> x there, and right before and right behind it
+      !> x of the break, just before it and just behind it
       real(wp) :: place = 0.0_wp, before = 0.0_wp, behind = 0.0_wp
-      !> y with its derivatives at these
+      !> y with its derivatives at `before` and `behind`
       type(jet_type) :: left, right
    end type curve_break_type
 
 contains
 
-   !> The places between two others, in order. Of a spline there are none.
+   !> Breaks of a curve between two values of x, in ascending order. A spline has none.
    subroutine find_curve_breaks(curve, from, to, breaks)
       type(curve_type), intent(in) :: curve
-      !> Places, from < to
+      !> Range of x, from < to
       real(wp), intent(in) :: from, to
       type(curve_break_type), allocatable, intent(out) :: breaks(:)
       type(curve_break_type) :: found
@@ -41,7 +41,7 @@ contains
       if (size(curve%expression%slots) == 0) return
       range = law_range(curve%expression, from, to)
       if (range%whole) return
-      ! An expression need not have a value everywhere
+      ! The expression may have no value somewhere: floating-point exceptions must not stop the program
       call ieee_get_status(status)
       call ieee_set_halting_mode(ieee_all, .false.)
       allocate (places(0))
@@ -53,15 +53,15 @@ contains
       call ieee_set_status(status)
    end subroutine find_curve_breaks
 
-   !> What happens at a place, eq. (5.58).
+   !> Finds the kind of a break and the values on both sides, eq. (5.58).
    subroutine classify(curve, place, width, found)
       type(curve_type), intent(in) :: curve
       real(wp), intent(in) :: place
-      !> Of what is searched
+      !> Width of the searched range of x
       real(wp), intent(in) :: width
       type(curve_break_type), intent(out) :: found
-      !> Distance of both sides in last digits; changes that are round-off: of y relative to the width, of the angle [rad], of the
-      !> curvature relative to itself
+      !> Distance of both sides from the place, in units of the last digit; largest changes that count as round-off: of y relative
+      !> to the width, of the angle [rad], of the second derivative relative to itself
       real(wp), parameter :: beside = 8.0_wp, level = 1.0e-9_wp, straight = 1.0e-6_wp, same = 1.0e-6_wp
       found%place = place
       found%before = place - beside*spacing(max(abs(place), width))

@@ -1,5 +1,5 @@
-!> Distributed loads as forces at moving points. Each becomes forces at points that move as the load's share of the body does on
-!> average, and keeps its parts for the internal forces. Floor: model. Source: doc/theory, eqs. (3.37), (3.38).
+!> Distributed loads as forces at moving points. The displacement of such a point is the mean over the load, weighted with it. The
+!> distribution is kept for section forces. Floor: model. Source: doc/theory, eqs. (3.37), (3.38).
 module limber_model_distributed_loads
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
@@ -23,12 +23,13 @@ module limber_model_distributed_loads
    public :: add_distributed, spread_parts
 
    real(wp), parameter :: quarter = 0.5_wp*acos(-1.0_wp)
-   !> Bending coordinates for each interval of a load that follows the sections
+   !> Bending coordinates per interval of a follower load
    integer, parameter :: follower_coordinates = 3
-   !> Error of the integral of a load, relative to that of its magnitude; shortest interval, relative to all; most intervals
+   !> Error of the integral of a load relative to the integral of its magnitude; shortest interval relative to the whole; most
+   !> intervals
    real(wp), parameter :: exactly = 1.0e-9_wp, shortest = 1.0e-9_wp
    integer, parameter :: most_intervals = 5000
-   !> Gauss's formula in an interval from -1 to 1
+   !> Gauss points and weights on an interval from -1 to 1
    real(wp), parameter :: points(5) = [-0.906179845938663993_wp, -0.538469310105683091_wp, 0.0_wp, 0.538469310105683091_wp, &
       & 0.906179845938663993_wp]
    real(wp), parameter :: weights(5) = [0.236926885056189088_wp, 0.478628670499366468_wp, 0.568888888888888889_wp, &
@@ -36,7 +37,7 @@ module limber_model_distributed_loads
 
 contains
 
-   !> One part or two for each component of each line.
+   !> Adds a distributed load: one or two parts for each component of each line.
    subroutine add_distributed(block, model, diagnostics)
       type(block_type), intent(in) :: block
       type(model_type), intent(inout) :: model
@@ -78,7 +79,7 @@ contains
 
    contains
 
-      !> Whether a load has a value all along, and few enough bends, with a complaint if not.
+      !> Whether a load has a value everywhere, and not too many breaks; else adds an error.
       logical function has_values(law, origin)
          type(expression_type), intent(in) :: law
          type(origin_type), intent(in) :: origin
@@ -98,12 +99,13 @@ contains
             & as_text(most_intervals)//' intervals show', 'write a smoother law, or several loads with START= and END=')
       end function has_values
 
+      !> Whether the body is a frame of exact beams.
       pure logical function is_large_frame()
          is_large_frame = model%bodies(body)%whole > 0
          if (is_large_frame) is_large_frame = allocated(model%wholes(model%bodies(body)%whole)%lean)
       end function is_large_frame
 
-      !> The member of a large frame that the load acts on; 0 with a complaint if there is none.
+      !> Index of the loaded member of a large frame; 0 and an error if there is none.
       subroutine find_large(found)
          integer, intent(out) :: found
          found = 0
@@ -118,7 +120,7 @@ contains
 
    end subroutine add_distributed
 
-   !> The member that a load acts on, and its length; 0 with a complaint if there is none.
+   !> Index and length of the loaded member; 0 and an error if there is none.
    subroutine find_member(block, body, member, length, diagnostics)
       type(block_type), intent(in) :: block
       type(body_type), intent(in) :: body
@@ -149,12 +151,12 @@ contains
       end if
    end subroutine find_member
 
-   !> One component of one line.
+   !> Adds one component of one line on one body.
    subroutine add_share(block, line, component, body, member, start, whole, model)
       type(block_type), intent(in) :: block
       type(line_type), intent(in) :: line
       integer, intent(in) :: component, body, member
-      !> Coordinate along the beam where the body begins, if it is a piece of one; interval of the beam or member
+      !> Coordinate along the beam at the start of this piece; interval of the load on the beam or member (2) [length]
       real(wp), intent(in) :: start, whole(2)
       type(model_type), intent(inout) :: model
       real(wp) :: total, absolute, place, level, ends(2)
@@ -185,11 +187,11 @@ contains
 
    contains
 
-      !> With the integrals of a load that were found last.
+      !> Adds a force with the last integrals of a load.
       subroutine push(law, added, total, factor)
          type(expression_type), intent(in) :: law
          real(wp), intent(in) :: added, total
-         !> Of the load
+         !> Factor of the force, default 1
          real(wp), intent(in), optional :: factor
          real(wp) :: psi(size(shape, 2)), force
          psi = 0.0_wp
@@ -199,8 +201,8 @@ contains
          call append_spread(model, law, start, added, total, member, ends)
       end subroutine push
 
-      !> Forces that turn with the sections at the stations of Gauss's formula, eq. (3.38): the load is divided by Lagrange's
-      !> polynomials of the stations in each interval, whose sum is one, so that force, moment and work at rest stay what they are.
+      !> Adds follower forces at the Gauss points, eq. (3.38). In each interval the load is divided by the Lagrange polynomials of
+      !> the points. Their sum is 1, so that force, moment and virtual work at rest remain.
       subroutine follow_sections()
          real(wp), allocatable :: phi(:, :), psi(:), own(:)
          real(wp) :: whole(2), s(size(points))
@@ -226,10 +228,10 @@ contains
          end associate
       end subroutine follow_sections
 
-      !> A force at a point that stands for a load.
+      !> Adds a force at a point that represents a load.
       subroutine act(along, phi, psi, reach, force)
-         !> Coordinate along the beam or member [length]; shapes of the point and of its section (2, n), (n); of an exact beam what
-         !> its stations give to the place (stations)
+         !> Coordinate along the beam or member [length]; shapes of the point (2, n) and of its section (n); for an exact beam the
+         !> weights of its stations in the position (stations)
          real(wp), intent(in) :: along, phi(:, :), psi(:), reach(:)
          real(wp), intent(in) :: force
          type(load_part_type) :: part
@@ -257,7 +259,7 @@ contains
 
    end subroutine add_share
 
-   !> Start and direction of a member in the axes of its body.
+   !> Start and direction of a member in the axes of its body (2), (2).
    pure subroutine line_of(body, member, origin, axis)
       type(body_type), intent(in) :: body
       integer, intent(in) :: member
@@ -271,13 +273,13 @@ contains
       end associate
    end subroutine line_of
 
-   !> The point that was added last stands for a load.
+   !> Stores the distribution of a load for the last point.
    subroutine append_spread(model, law, start, added, total, member, ends, station)
       type(model_type), intent(inout) :: model
       type(expression_type), intent(in) :: law
       real(wp), intent(in) :: start, added, total, ends(2)
       integer, intent(in) :: member
-      !> Whose part of the load it is; without it the whole
+      !> Number of the Gauss point of this share; absent for the whole load
       integer, intent(in), optional :: station
       type(distributed_load_type), allocatable :: longer(:)
       integer :: n
@@ -295,16 +297,16 @@ contains
       call move_alloc(longer, model%spreads)
    end subroutine append_spread
 
-   !> Integrals along a member of a load and of its magnitude, and of the places and shapes times the load.
+   !> Integrals along a member: of a load, of its magnitude, and of coordinate and shapes times the load.
    subroutine weigh(body, member, law, start, added, ends, total, absolute, place, shape, reach, station)
       type(body_type), intent(in) :: body
       integer, intent(in) :: member
-      !> Load, of the coordinate s along the beam or member, where the body begins there, and what is added [force/length]
+      !> Load as a function of s along the beam or member; s at the start of the body [length]; constant to be added [force/length]
       type(expression_type), intent(in) :: law
       real(wp), intent(in) :: start, added, ends(2)
-      !> [force], [force length]; shape (2, n); of an exact beam what its stations give to the places (stations), else of no size
+      !> [force], [force], [force length]; shape (2, n); for an exact beam weights of its stations (stations), else of size 0
       real(wp), intent(out) :: total, absolute, place, shape(:, :), reach(:)
-      !> Whose part of the load is meant; without it the whole
+      !> Number of the Gauss point whose share is meant; absent for the whole load
       integer, intent(in), optional :: station
       real(wp), allocatable :: edges(:), s(:), q(:), phi(:, :), psi(:), own(:)
       integer :: g
@@ -325,14 +327,14 @@ contains
       end do
    end subroutine weigh
 
-   !> Displacement (2, n) and rotation (n) of a section of a beam or member for each coordinate.
+   !> Displacement (2, n) and rotation (n) of a section of a beam or member for unit coordinates.
    pure subroutine section_shape(body, member, s, phi, psi, reach)
       type(body_type), intent(in) :: body
       integer, intent(in) :: member
-      !> Coordinate along it [length]
+      !> Coordinate along the body [length]
       real(wp), intent(in) :: s
       real(wp), allocatable, intent(out) :: phi(:, :), psi(:)
-      !> Of an exact beam what its stations give to the place (stations)
+      !> For an exact beam weights of its stations in the position (stations), else of size 0
       real(wp), allocatable, intent(out) :: reach(:)
       allocate (reach(0))
       if (body%is_frame) then
@@ -344,11 +346,11 @@ contains
       end if
    end subroutine section_shape
 
-   !> Places along the member and parts of a load, whose sum is 1; no part reaches over a section.
+   !> Coordinates of point forces that represent a load, and their shares, with the sum 1. Intervals end at sections.
    subroutine spread_parts(spread, body, sections, at, part)
       type(distributed_load_type), intent(in) :: spread
       type(body_type), intent(in) :: body
-      !> Their coordinates along the member [length]
+      !> Coordinates of sections along the member [length]
       real(wp), intent(in) :: sections(:)
       real(wp), allocatable, intent(inout) :: at(:), part(:)
       real(wp), allocatable :: edges(:)
@@ -367,10 +369,10 @@ contains
       part = part/spread%total
    end subroutine spread_parts
 
-   !> Lagrange's polynomial of one of Gauss's stations in an interval.
+   !> Lagrange polynomial of a Gauss point.
    elemental real(wp) function lagrange(station, x) result(value)
       integer, intent(in) :: station
-      !> From -1 to 1
+      !> Coordinate in the interval, from -1 to 1
       real(wp), intent(in) :: x
       integer :: i
       value = 1.0_wp
@@ -379,7 +381,7 @@ contains
       end do
    end function lagrange
 
-   !> The part of a load at places that belongs to a station of the interval.
+   !> Share of a load at places s that belongs to one Gauss point of the interval.
    pure function part_of_station(station, ends, s) result(part)
       integer, intent(in) :: station
       real(wp), intent(in) :: ends(2), s(:)
@@ -387,7 +389,7 @@ contains
       part = lagrange(station, (2*s - ends(1) - ends(2))/(ends(2) - ends(1)))
    end function part_of_station
 
-   !> Ends of the intervals of a load within the elements of its member.
+   !> Ends of the intervals of a load, divided at the nodes of its member [length].
    pure function edges_of(body, member, ends) result(edges)
       type(body_type), intent(in) :: body
       integer, intent(in) :: member
@@ -408,13 +410,13 @@ contains
       edges = [ends(1), pack(nodes, nodes > ends(1) .and. nodes < ends(2)), ends(2)]
    end function edges_of
 
-   !> Divides intervals of a load at its bends and around its short pulses, and by halves until Gauss's formula on both halves gives what
-   !> it gives on the whole. Ends with more than `most_intervals`.
+   !> Divides the intervals of a load at its breaks and short pulses. Then it halves each interval until the Gauss formula on both
+   !> halves agrees with the whole. Stops beyond `most_intervals`.
    subroutine refine(law, start, added, edges)
       type(expression_type), intent(in) :: law
-      !> As for `weigh`
+      !> As in `weigh`
       real(wp), intent(in) :: start, added
-      !> In order [length]
+      !> Edges in ascending order [length]
       real(wp), allocatable, intent(inout) :: edges(:)
       real(wp), allocatable :: bends(:), fine(:), s(:), q(:)
       real(wp) :: scale
@@ -441,7 +443,7 @@ contains
 
    contains
 
-      !> Adds the edges that an interval needs within.
+      !> Adds edges within an interval where they are needed.
       recursive subroutine divide(left, right)
          real(wp), intent(in) :: left, right
          real(wp) :: middle
@@ -458,7 +460,7 @@ contains
 
    end subroutine refine
 
-   !> A load at the points of Gauss's formula in each interval, times the weights [force].
+   !> Values of a load at the Gauss points of all intervals, times their weights [force].
    subroutine sample(law, start, added, edges, s, q)
       type(expression_type), intent(in) :: law
       real(wp), intent(in) :: start, added, edges(:)

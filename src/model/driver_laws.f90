@@ -10,7 +10,8 @@ module limber_model_driver_laws
 
 contains
 
-   !> The coordinate of a driver at a time: its law, or the integral of it from the start.
+   !> Coordinate of a driver and its first two derivatives at time t: the law itself, or its integral plus the initial values, eq.
+   !> (3.29).
    pure function driven_motion(driver, t) result(jet)
       type(driver_type), intent(in) :: driver
       real(wp), intent(in) :: t

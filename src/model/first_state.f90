@@ -1,4 +1,4 @@
-!> Options of *ASSEMBLY. How far the first position may be from the guess without a word, and given deflections. Floor: model.
+!> Options of *ASSEMBLY: largest turn without a warning, and initial deflections. Floor: model.
 module limber_model_first_state
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
@@ -12,7 +12,7 @@ module limber_model_first_state
 
 contains
 
-   !> Reads the block; bodies and their coordinates are there.
+   !> Reads *ASSEMBLY into `model%assembly`. Bodies and their coordinates must be in the model.
    subroutine read_assembly(block, model, diagnostics)
       type(block_type), intent(in) :: block
       type(model_type), intent(inout) :: model

@@ -1,5 +1,5 @@
-!> Sections at which section forces are asked for. Sections and places of loads of each flexible body, and the coefficients by which
-!> the motion and the loads give the forces there. Floor: model.
+!> Sections for section forces. Sections and load points of each flexible body, and the coefficients for the section forces of a
+!> motion and loads. Floor: model.
 module limber_model_force_sections
    use limber_base_error, only: error_type
    use limber_deck_diagnostics, only: diagnostics_type
@@ -17,7 +17,7 @@ module limber_model_force_sections
 
 contains
 
-   !> Makes the coefficients for all points that a channel asks internal forces of.
+   !> Computes the coefficients for all points with section forces in a channel, and for envelopes.
    subroutine add_recoveries(model, diagnostics)
       type(model_type), intent(inout) :: model
       type(diagnostics_type), intent(inout) :: diagnostics
@@ -41,7 +41,8 @@ contains
       end do
    end subroutine add_recoveries
 
-   !> Of one body. A section is the one just before its point, seen from the start; at the start that just behind it.
+   !> Computes the coefficients of one body. Its sections lie just before their points, seen from the start; at the start just
+   !> behind.
    subroutine add_recovery(model, index, count, diagnostics)
       type(model_type), intent(inout) :: model
       !> Index of the body, and its number of sections at points
@@ -70,7 +71,7 @@ contains
             call beam_frame(body%beam, body%choice%support, body%choice%origin, body%field, frame, shape)
          end if
          if (body%envelope) sections = [sections, all_sections(frame, acted_places(model, index), envelope_intervals(model, index))]
-         ! What the tension does is found along the whole axis
+         ! The tension enters along the whole axis
          if (body%reduced%is_exact) sections = [sections, stations_of(model, index)]
          call spread_places(model, index, sections, places)
          if (body%reduced%is_exact) then
@@ -83,8 +84,8 @@ contains
       end associate
    end subroutine add_recovery
 
-   !> Where internal forces and stresses of a body may jump or have a corner, to an envelope: its points, the ends of loads along
-   !> it, concentrated masses, changes of the cross-section.
+   !> Places of a body at which section forces or stresses may have a jump or a corner: its points, the ends of distributed loads,
+   !> concentrated masses, changes of the cross-section. For envelopes.
    pure function acted_places(model, index) result(places)
       type(model_type), intent(in) :: model
       integer, intent(in) :: index
@@ -108,8 +109,8 @@ contains
       end associate
    end function acted_places
 
-   !> Even intervals of each member that an envelope looks at least at: that the top of a parabola or of the highest function is not
-   !> missed; more where a point slides along, whose force has no place of its own.
+   !> Least number of equal intervals per member in an envelope: enough for the maximum of a parabola and of the highest function;
+   !> more if a point slides along the body, because its force has no fixed place.
    pure integer function envelope_intervals(model, index) result(intervals)
       type(model_type), intent(in) :: model
       integer, intent(in) :: index
@@ -132,7 +133,7 @@ contains
       sections%x = model%bodies(index)%reduced%exact%s
    end function stations_of
 
-   !> Their forces alone.
+   !> Section forces at all stations of an exact beam.
    subroutine recover_stations(model, index, recovery)
       type(model_type), intent(in) :: model
       !> Index of the body
@@ -146,7 +147,7 @@ contains
       call exact_recovery(sections, places, recovery)
    end subroutine recover_stations
 
-   !> The places of a body where points are, and those that stand for loads along a member.
+   !> Fills the load places of a body: its points, and points that stand for loads along a member.
    subroutine spread_places(model, index, sections, places)
       type(model_type), intent(in) :: model
       integer, intent(in) :: index
@@ -166,7 +167,7 @@ contains
       end do
    end subroutine spread_places
 
-   !> Number of points of a body that are places along it.
+   !> Number of points on the members of a body.
    pure integer function own_points(model, index)
       type(model_type), intent(in) :: model
       integer, intent(in) :: index

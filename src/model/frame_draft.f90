@@ -1,4 +1,4 @@
-!> Frames as the deck describes them: nodes, elements, sets, supports. Floor: model.
+!> Frames as described by the deck: nodes, elements, sets, supports. Floor: model.
 module limber_model_frame_draft
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text, lowercase
@@ -12,8 +12,8 @@ module limber_model_frame_draft
    private
    public :: draft_type, read_draft, member_of, node_named
 
-   !> Finite elements of a member where the deck does not say: most and least, and of all members together. With 8 the masses in the
-   !> nodes shift vibrations of higher modes that sudden loads excite by a sixth of a moment in thirty periods.
+   !> Default number of finite elements of a member: most and least; of all members together. With 8 elements the lumped masses
+   !> shift the frequencies of higher modes: after a sudden load, a moment was wrong by a sixth after thirty periods.
    integer, parameter :: most_divisions = 32, least_divisions = 8, elements_in_all = 256
 
    !> A node or member in a set
@@ -22,24 +22,24 @@ module limber_model_frame_draft
       integer :: item = 0
    end type draft_set_type
 
-   !> What the deck says, with indices for the numbers of nodes and members
+   !> A frame of the deck, with indices in place of the numbers of nodes and members
    type :: draft_type
-      !> Numbers of the nodes in the deck, their places (2, nodes) [length], what is held, masses and inertias (nodes)
+      !> Numbers of the nodes in the deck; positions (2, nodes) [length]; false where fixed (3, nodes); masses and inertias (nodes)
       integer, allocatable :: node(:)
       real(wp), allocatable :: place(:, :)
       logical, allocatable :: free(:, :)
       real(wp), allocatable :: mass(:), inertia(:)
-      !> Numbers of the members, and the members
+      !> Numbers of the members in the deck, and the members
       integer, allocatable :: number(:)
       type(member_type), allocatable :: members(:)
-      !> Blocks of their material and section; 0: none (members)
+      !> Blocks of material and section; 0 if none (members)
       integer, allocatable :: material(:), section(:)
       !> Cross-sections (4, members), see `read_section`
       real(wp), allocatable :: strength(:, :)
-      !> Where nodes and members are defined
+      !> Places of the definitions of nodes and members in the deck
       type(origin_type), allocatable :: node_origin(:), member_origin(:)
       type(draft_set_type), allocatable :: node_sets(:), member_sets(:)
-      !> Static functions: [node, degree of freedom from 1 to 3] each (2, number)
+      !> Static functions: node and degree of freedom, 1 to 3 (2, number)
       integer, allocatable :: attachments(:, :)
    end type draft_type
 
@@ -48,7 +48,7 @@ contains
    !> Reads all parts of a frame.
    subroutine read_draft(deck, frame, draft, diagnostics)
       type(deck_type), intent(in) :: deck
-      !> Index of its block
+      !> Index of the block of the frame
       integer, intent(in) :: frame
       type(draft_type), intent(out) :: draft
       type(diagnostics_type), intent(inout) :: diagnostics
@@ -83,7 +83,7 @@ contains
       call settle_members(deck, deck%blocks(frame), draft, diagnostics)
    end subroutine read_draft
 
-   !> Room for all nodes and members, none in it.
+   !> Allocates space for all nodes and members.
    subroutine start_draft(deck, frame, draft)
       type(deck_type), intent(in) :: deck
       integer, intent(in) :: frame
@@ -105,6 +105,7 @@ contains
       draft%inertia = 0.0_wp
    end subroutine start_draft
 
+   !> Reads the nodes of a block.
    subroutine read_nodes(block, draft, diagnostics)
       type(block_type), intent(in) :: block
       type(draft_type), intent(inout) :: draft
@@ -127,6 +128,7 @@ contains
       end do
    end subroutine read_nodes
 
+   !> Reads the members of a block.
    subroutine read_members(deck, frame, block, draft, diagnostics)
       type(deck_type), intent(in) :: deck
       type(block_type), intent(in) :: frame, block
@@ -155,7 +157,7 @@ contains
             draft%member_origin(n) = line%origin_of(1)
             draft%members(n)%ends = ends
             draft%members(n)%divisions = max(least_divisions, min(most_divisions, elements_in_all/size(draft%member_origin)))
-            ! A count that the reader has refused is 0
+            ! A refused count is 0
             if (frame%has('DIVISIONS')) draft%members(n)%divisions = max(1, frame%integer('DIVISIONS'))
             if (block%has('DIVISIONS')) draft%members(n)%divisions = max(1, block%integer('DIVISIONS'))
             draft%material(n) = named(deck, frame, block, 'MATERIAL')
@@ -170,7 +172,7 @@ contains
       end do
    end subroutine read_members
 
-   !> Block of the material or section that a block of members names, or else the frame; 0: none.
+   !> Block of the material or section of a block of members, else of the frame; 0 if none.
    integer function named(deck, frame, block, keyword)
       type(deck_type), intent(in) :: deck
       type(block_type), intent(in) :: frame, block
@@ -180,10 +182,11 @@ contains
       if (block%has(keyword)) named = deck%find_named(keyword, block%name(keyword))
    end function named
 
+   !> Reads a set of nodes or members.
    subroutine read_set(block, keyword, kind, numbers, sets, diagnostics)
       type(block_type), intent(in) :: block
       character(*), intent(in) :: keyword, kind
-      !> Of the nodes or members that there are
+      !> Numbers of all nodes or members
       integer, intent(in) :: numbers(:)
       type(draft_set_type), allocatable, intent(inout) :: sets(:)
       type(diagnostics_type), intent(inout) :: diagnostics
@@ -196,6 +199,7 @@ contains
       end do
    end subroutine read_set
 
+   !> Reads the sections of a set of members.
    subroutine read_beam_section(deck, block, draft, diagnostics)
       type(deck_type), intent(in) :: deck
       type(block_type), intent(in) :: block
@@ -214,6 +218,7 @@ contains
          & listed_sets(draft%member_sets))
    end subroutine read_beam_section
 
+   !> Reads the fixed degrees of freedom of nodes.
    subroutine read_boundary(block, draft, diagnostics)
       type(block_type), intent(in) :: block
       type(draft_type), intent(inout) :: draft
@@ -238,13 +243,14 @@ contains
       end do
    end subroutine read_boundary
 
-   !> Which of x, y and the rotation are among degrees of freedom 1, 2 and 6.
+   !> Whether x, y and rotation are among the degrees of freedom first to last (3), in the numbering 1, 2, 6.
    pure function freedoms(first, last) result(which)
       integer, intent(in) :: first, last
       logical :: which(3)
       which = [1, 2, 6] >= first .and. [1, 2, 6] <= last
    end function freedoms
 
+   !> Reads concentrated masses.
    subroutine read_masses(block, draft, diagnostics)
       type(block_type), intent(in) :: block
       type(draft_type), intent(inout) :: draft
@@ -260,6 +266,7 @@ contains
       end do
    end subroutine read_masses
 
+   !> Reads the degrees of freedom with static functions.
    subroutine read_attachments(block, draft, diagnostics)
       type(block_type), intent(in) :: block
       type(draft_type), intent(inout) :: draft
@@ -285,11 +292,11 @@ contains
       end do
    end subroutine read_attachments
 
-   !> Nodes that the first field of a line names by number or by set.
+   !> Nodes by the first field of a line: a number or a set.
    subroutine labelled(line, draft, nodes, diagnostics)
       type(line_type), intent(in) :: line
       type(draft_type), intent(in) :: draft
-      !> Indices
+      !> Indices of the nodes
       integer, allocatable, intent(out) :: nodes(:)
       type(diagnostics_type), intent(inout) :: diagnostics
       integer :: i
@@ -307,7 +314,7 @@ contains
          & listed_sets(draft%node_sets))
    end subroutine labelled
 
-   !> Names of the sets that there are.
+   !> Names of existing sets, for a message.
    pure function listed_sets(sets) result(text)
       type(draft_set_type), intent(in) :: sets(:)
       character(:), allocatable :: text
@@ -320,7 +327,7 @@ contains
       end do
    end function listed_sets
 
-   !> Index of a number among those that there are; 0 with a complaint if it is not.
+   !> Index of a number in the list; 0 and an error if it is not there.
    integer function known(numbers, line, i, kind, diagnostics)
       integer, intent(in) :: numbers(:)
       type(line_type), intent(in) :: line
@@ -333,6 +340,7 @@ contains
          & 'define it first')
    end function known
 
+   !> Index of a number in the list; 0 if it is not there.
    pure integer function place_of(numbers, number)
       integer, intent(in) :: numbers(:), number
       do place_of = size(numbers), 1, -1
@@ -340,6 +348,7 @@ contains
       end do
    end function place_of
 
+   !> Adds a node or member to a set.
    pure subroutine join_set(sets, name, item)
       type(draft_set_type), allocatable, intent(inout) :: sets(:)
       character(*), intent(in) :: name
@@ -354,7 +363,7 @@ contains
       call move_alloc(longer, sets)
    end subroutine join_set
 
-   !> Rigidities of all members.
+   !> Computes the rigidities of all members; reports members without material or section.
    subroutine settle_members(deck, frame, draft, diagnostics)
       type(deck_type), intent(in) :: deck
       type(block_type), intent(in) :: frame
@@ -378,20 +387,20 @@ contains
       end do
    end subroutine settle_members
 
-   !> Index of a member by its number; 0: there is none.
+   !> Index of a member by its number; 0 if there is none.
    pure integer function member_of(draft, number) result(member)
       type(draft_type), intent(in) :: draft
       integer, intent(in) :: number
       member = place_of(draft%number, number)
    end function member_of
 
-   !> Index of the node that a point of a frame stands for; 0: none.
+   !> Index of the node of a named point of a frame; 0 if there is none.
    integer function node_named(deck, frame, draft, name) result(node)
       type(deck_type), intent(in) :: deck
-      !> Index of its block
+      !> Index of the block of the frame
       integer, intent(in) :: frame
       type(draft_type), intent(in) :: draft
-      !> Of the point, without that of the frame
+      !> Name of the point without the name of the frame
       character(*), intent(in) :: name
       integer :: i, k
       node = 0

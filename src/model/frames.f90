@@ -1,4 +1,4 @@
-!> Flexible frames of the deck. Their mesh, their reduction and their named points. Floor: model.
+!> Flexible frames of the deck: mesh, modal reduction and named points. Floor: model.
 module limber_model_frames
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
@@ -22,14 +22,14 @@ module limber_model_frames
    private
    public :: add_frame
 
-   !> Most finite elements of a frame
+   !> Largest number of finite elements of a frame
    integer, parameter :: max_elements = 20000
-   !> Modes where the deck does not say how many: for each member, at least, at most
+   !> Default number of modes: for each member, at least, at most
    integer, parameter :: modes_of_member = 3, least_modes = 6, most_modes = 24
 
 contains
 
-   !> Adds a frame with its points.
+   !> Adds a frame with its points to the model.
    subroutine add_frame(deck, index, model, diagnostics)
       type(deck_type), intent(inout) :: deck
       !> Index of its block
@@ -53,7 +53,7 @@ contains
       cut = .false.
       if (usable .and. deck%blocks(index)%word('GEOMETRIC') /= 'RIGID') then
          call reduce_frame(body%mesh, body%frame_choice, body%reduced, body%shape, error, body%note, cut)
-         ! Without a number in the deck modes of one frequency are all in
+         ! Without a number in the deck, all modes of equal frequency are kept
          if (cut .and. .not. (deck%blocks(index)%given('MODES') .or. deck%blocks(index)%given('FREQUENCY LIMIT'))) then
             body%frame_choice%modes = body%frame_choice%modes + 1
             deallocate (body%shape)
@@ -82,8 +82,8 @@ contains
       if (diagnostics%count == before) call add_frame_points(deck, index, draft, model, diagnostics)
    end subroutine add_frame
 
-   !> Choices that the deck leaves open: in K_G axial forces act on bending, so that the coordinates have to carry those of all loads;
-   !> each member bends on its own.
+   !> Sets options that the deck leaves open. K_G needs CORRECTIONS: axial forces change the bending stiffness, so the coordinates
+   !> must represent the axial forces of all loads. The number of modes grows with the number of members.
    subroutine settle_options(deck, index, draft)
       type(deck_type), intent(inout) :: deck
       integer, intent(in) :: index
@@ -94,7 +94,7 @@ contains
       call deck%set_number(index, 'MODES', real(min(max(least_modes, modes_of_member*size(draft%number)), most_modes), wp))
    end subroutine settle_options
 
-   !> Where something acts between the nodes of members: there they need nodes.
+   !> Finds loaded points between the nodes of the mesh: they need nodes of their own.
    subroutine find_acted(deck, index, draft, acted)
       type(deck_type), intent(in) :: deck
       integer, intent(in) :: index
@@ -116,10 +116,10 @@ contains
       end do
    end subroutine find_acted
 
-   !> The mesh, and what was chosen.
+   !> Makes the mesh of a frame, and reads its reduction options.
    subroutine mesh(deck, index, draft, body, diagnostics)
       type(deck_type), intent(inout) :: deck
-      !> Of its block
+      !> Index of the block
       integer, intent(in) :: index
       type(draft_type), intent(in) :: draft
       type(body_type), intent(inout) :: body
@@ -173,13 +173,13 @@ contains
       end associate
    end subroutine mesh
 
-   !> As of beams: without *ATTACHMENT the interface of Craig and Bampton is all that acts on the frame, and CORRECTIONS=YES adds
-   !> responses to all that acts and is not there already.
+   !> Chooses static functions as for beams. Craig-Bampton without *ATTACHMENT: the interface is all points of action. Otherwise
+   !> CORRECTIONS=YES adds the responses to forces at all points of action.
    subroutine choose_attachments(deck, index, draft, choice)
       type(deck_type), intent(in) :: deck
       integer, intent(in) :: index
       type(draft_type), intent(in) :: draft
-      !> With the attachments that the deck names
+      !> Contains the attachments of the deck
       type(frame_choice_type), intent(inout) :: choice
       type(acting_type), allocatable :: points(:)
       type(attachment_type), allocatable :: acting(:)
@@ -204,7 +204,7 @@ contains
       end if
    end subroutine choose_attachments
 
-   !> Member and coordinate along it of a point of a frame.
+   !> Member of a point of a frame, and the coordinate along it [length]; false in `found` if there is no such point.
    subroutine find_frame_point(deck, index, draft, name, member, x, found)
       type(deck_type), intent(in) :: deck
       integer, intent(in) :: index
@@ -236,6 +236,7 @@ contains
 
    contains
 
+      !> Length of a member.
       pure real(wp) function length_of(member)
          integer, intent(in) :: member
          length_of = norm2(draft%place(:, draft%members(member)%ends(2)) - draft%place(:, draft%members(member)%ends(1)))
@@ -243,7 +244,7 @@ contains
 
    end subroutine find_frame_point
 
-   !> The frame as one rigid body.
+   !> Mass properties of the frame as one rigid body.
    pure function rigid_frame(draft) result(reduced)
       type(draft_type), intent(in) :: draft
       type(reduced_type) :: reduced
@@ -265,8 +266,7 @@ contains
       reduced = rigid_reduced(mass, second - dot_product(moment, moment)/mass, moment/mass)
    end function rigid_frame
 
-   !> Points of the frame that was added last: the origin of its axes if a node is there, nodes that have names, and places
-   !> along members.
+   !> Adds the points of the last frame: the origin of its axes if a node is there, named nodes, and named points of members.
    subroutine add_frame_points(deck, index, draft, model, diagnostics)
       type(deck_type), intent(in) :: deck
       integer, intent(in) :: index
@@ -312,6 +312,7 @@ contains
 
    contains
 
+      !> Adds a point at a node, on the last member there.
       subroutine place_node(name, node)
          character(*), intent(in) :: name
          integer, intent(in) :: node
@@ -331,6 +332,7 @@ contains
          model%points(model%counts%points)%p0 = draft%place(:, node)
       end subroutine place_node
 
+      !> Adds a point at coordinate x of a member.
       subroutine place_point(name, member, x, meeting)
          character(*), intent(in) :: name
          integer, intent(in) :: member, meeting
@@ -353,7 +355,7 @@ contains
 
    end subroutine add_frame_points
 
-   !> Largest distance between two nodes.
+   !> Largest distance between two nodes [length].
    pure real(wp) function extent(place)
       real(wp), intent(in) :: place(:, :)
       integer :: i, j

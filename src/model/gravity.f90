@@ -20,12 +20,12 @@ module limber_model_gravity
       & unit_type('ft', 0.3048_wp), unit_type('yd', 0.9144_wp)]
    type(unit_type), parameter :: times(*) = [unit_type('s', 1.0_wp), unit_type('ms', 1.0e-3_wp), unit_type('us', 1.0e-6_wp), &
       & unit_type('min', 60.0_wp), unit_type('h', 3600.0_wp)]
-   !> Gravity on earth, the default of Y [m/s^2]; numbers that are taken for it
+   !> Gravity on earth, the default of Y; range of numbers that are probably meant as this value [m/s^2]
    real(wp), parameter :: earth = 9.81_wp, likely(2) = [9.7_wp, 9.9_wp]
 
 contains
 
-   !> Reads *GRAVITY. Its default is that of the earth in the units of the deck; a number that looks like it in other units is warned of.
+   !> Reads *GRAVITY. Default: gravity on earth in the units of the deck. Warns of a number near 9.81 in other units than m/s^2.
    subroutine read_gravity(deck, block, model, diagnostics)
       type(deck_type), intent(inout) :: deck
       !> Index of the block
@@ -50,10 +50,10 @@ contains
          & ' times that of the earth', 'in these units it is '//as_text(earth/unit, 6))
    end subroutine read_gravity
 
-   !> Warns of an angle of more than a turn at the start: it may have been written in degrees.
+   !> Warns of an angle beyond a full turn: it may be in degrees.
    subroutine warn_of_degrees(deck, block, option, diagnostics)
       type(deck_type), intent(in) :: deck
-      !> Index of the block, and its option
+      !> Index of the block, and name of its option
       integer, intent(in) :: block
       character(*), intent(in) :: option
       type(diagnostics_type), intent(inout) :: diagnostics
@@ -65,20 +65,21 @@ contains
          & ' is '//as_text(angle/turn, 3)//' turns: angles are in radians', 'write '//as_text(angle, 6)//' deg for degrees')
    end subroutine warn_of_degrees
 
-   !> Size of the deck's unit of acceleration [m/s^2]; 0: not known.
+   !> Size of the deck's unit of acceleration [m/s^2]; 0 if the units are unknown.
    pure real(wp) function acceleration_unit(units) result(unit)
       type(units_type), intent(in) :: units
       unit = 0.0_wp
       if (size_of(times, units%time) > 0.0_wp) unit = size_of(lengths, units%length)/size_of(times, units%time)**2
    end function acceleration_unit
 
-   !> Size of a unit in SI; 0: not known.
+   !> Size of a unit in SI; 0 if it is unknown.
    pure real(wp) function size_of(units, name)
       type(unit_type), intent(in) :: units(:)
       character(*), intent(in) :: name
       size_of = sum(units%size, mask=units%name == name)
    end function size_of
 
+   !> Names of units, with commas between them.
    pure function names_of(units) result(text)
       type(unit_type), intent(in) :: units(:)
       character(:), allocatable :: text

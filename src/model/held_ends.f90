@@ -1,4 +1,4 @@
-!> Ends of beams that joints, drivers and springs hold, and in which direction. A body that only hangs on the beam holds nothing.
+!> Supports of the ends of beams by joints, drivers and springs. A body that only hangs on the beam supports nothing.
 !> Floor: model. Source: doc/theory, eq. (2.49).
 module limber_model_held_ends
    use limber_base_kinds, only: wp
@@ -9,26 +9,26 @@ module limber_model_held_ends
    private
    public :: hold_type, holds_of
 
-   !> Part of a direction along an axis that is none
+   !> A smaller component of a direction along an axis counts as zero
    real(wp), parameter :: nearly = 0.05_wp
    logical, parameter :: all_ways(2) = .true.
 
-   !> A point of a body and what holds it
+   !> A point of a body with its support
    type :: hold_type
-      !> Its name without that of the body
+      !> Name of the point without the name of the body
       character(64) :: name = ''
-      !> Whether joints and drivers hold it along the x and y axes of the body as it is placed at first, and the section there
+      !> Whether joints and drivers fix the point along the initial x and y axes of the body (2), and the rotation of the section
       logical :: held(2) = .false., clamped = .false.
-      !> Whether that is a body which hangs there alone, and the mass of a rigid one
+      !> Whether the other body hangs here alone, and its mass if it is rigid
       logical :: hangs = .false.
       real(wp) :: mass = 0.0_wp
-      !> Stiffness of springs across [force/length], and against turning [moment/rad]
+      !> Transverse stiffness of springs [force/length], rotational stiffness [moment/rad]
       real(wp) :: across = 0.0_wp, turning = 0.0_wp
    end type hold_type
 
 contains
 
-   !> The points of a body that something holds or hangs on, each once.
+   !> Points of a body with supports or hanging bodies, each once.
    subroutine holds_of(deck, body, holds)
       type(deck_type), intent(in) :: deck
       !> Name of the body
@@ -55,7 +55,7 @@ contains
             end select
          end associate
       end do
-      ! Of a body in space that nothing else holds the others are the ground
+      ! If nothing else supports the body, the hanging bodies serve as its supports
       if (any((holds%held(1) .or. holds%held(2) .or. holds%clamped .or. holds%across + holds%turning > 0.0_wp) .and. &
          & .not. holds%hangs)) then
          do i = 1, size(holds)
@@ -68,7 +68,7 @@ contains
       end if
    end subroutine holds_of
 
-   !> What a joint holds at one of its points, or what hangs there.
+   !> Adds the support of one side of a joint, or the body that hangs there.
    subroutine of_joint(deck, block, side, holds)
       type(deck_type), intent(in) :: deck
       type(block_type), intent(in) :: block
@@ -82,7 +82,7 @@ contains
       other = deck%find_named('RIGID BODY|BEAM|FRAME|POINT MASS', trim(body_of(block%lines(1)%text(3 - side))))
       if (other > 0) new%hangs = is_alone(deck, deck%blocks(other)%name(), body_of(block%lines(1)%text(side)))
       new%held = joint_kinds(kind)%place /= place_rolling
-      ! A line holds across itself
+      ! A line fixes the direction across itself
       if (joint_kinds(kind)%place == place_on_line) then
          associate (angle => line_angle(deck, block, body_of(block%lines(1)%text(side))))
             new%held = abs([sin(angle), cos(angle)]) > nearly
@@ -97,10 +97,10 @@ contains
       call note(new, holds)
    end subroutine of_joint
 
-   !> Whether a body hangs on another one alone: one joint connects them, and nothing else holds or drives it.
+   !> Whether a body hangs on another one alone: joined to it only, by one joint, without a driver.
    logical function is_alone(deck, name, body)
       type(deck_type), intent(in) :: deck
-      !> Of the body that may hang, and of the one that it hangs on
+      !> The hanging body, and the body that carries it
       character(*), intent(in) :: name, body
       character(64) :: ends(2)
       integer :: i, joints
@@ -133,7 +133,7 @@ contains
       is_alone = .true.
    end function is_alone
 
-   !> A driver of a place holds that, one of an angle the section, at both sides of a joint.
+   !> Adds the support by a driver: of a coordinate at its point, of an angle for the section, at both sides of a joint.
    subroutine of_driver(deck, block, body, holds)
       type(deck_type), intent(in) :: deck
       type(block_type), intent(in) :: block
@@ -160,7 +160,7 @@ contains
 
    contains
 
-      !> A coordinate holds along its axis.
+      !> Fixed directions of a driver of x or y, by the angle of the body.
       function ways()
          logical :: ways(2)
          ways = .true.
@@ -172,7 +172,7 @@ contains
       end function ways
    end subroutine of_driver
 
-   !> Springs whose direction is known.
+   !> Adds the support by springs in known directions.
    subroutine of_spring(block, point, holds)
       type(block_type), intent(in) :: block
       character(*), intent(in) :: point
@@ -188,7 +188,7 @@ contains
       call note(new, holds)
    end subroutine of_spring
 
-   !> Adds what is at a point to the list.
+   !> Adds a support to the list, or to the entry of the same point.
    subroutine note(new, holds)
       type(hold_type), intent(in) :: new
       type(hold_type), allocatable, intent(inout) :: holds(:)

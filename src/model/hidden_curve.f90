@@ -1,4 +1,4 @@
-!> Features of a curve between two places on it. Floor: model. Source: doc/theory, eqs. (5.43), (5.57).
+!> Search for deviations of a curve from a cubic between two places on it. Floor: model. Source: doc/theory, eqs. (5.43), (5.57).
 module limber_model_hidden_curve
    use limber_base_kinds, only: wp
    use limber_base_spline, only: spline_at
@@ -11,22 +11,22 @@ module limber_model_hidden_curve
 
 contains
 
-   !> Whether the curve does something between two places on it that it does not show there: between them it is off the cubic
-   !> through both ends, with their slopes, by more than a distance and by more than a tenth of what it is off its chord, eq.
-   !> (5.57).
+   !> Whether the curve between two places deviates from the cubic through both ends with their slopes, eq. (5.57). The deviation
+   !> counts if it exceeds `distance` [length] and a tenth of the deviation from the chord. `from`, `to`: places on the curve (2)
+   !> [length].
    pure logical function hides(self, from, to, distance)
       type(curve_type), intent(in) :: self
       real(wp), intent(in) :: from(2), to(2), distance
       hides = .false.
       if (self%explicit) then
-         ! On the piece that counts
+         ! Within the limits of the expression
          call search_law(self, max(self%low, min(self%high, from(1))), max(self%low, min(self%high, to(1))), distance, hides)
          return
       end if
       hides = hides_knots(self, self%s(nearest_knot(self, from)), self%s(nearest_knot(self, to)), distance)
    end function hides
 
-   !> As above, of the expression of x: its bounds are halved until they tell that nothing is there.
+   !> The same for an expression of x. Interval bounds of the expression exclude a deviation, or the interval is halved.
    pure subroutine search_law(self, from, to, distance, found)
       type(curve_type), intent(in) :: self
       real(wp), intent(in) :: from, to, distance
@@ -34,14 +34,14 @@ contains
       integer, parameter :: most_looks = 300, deepest = 40, samples = 8
       type(jet_type) :: first, last, y
       type(range_type) :: range
-      !> Parts that are still to be looked at: ends, values there
+      !> Parts of the range still to be searched: start, end (0 to 1), and y at both
       real(wp) :: parts(4, deepest), a, b, s
       integer :: top, looks
       found = .false.
       if (.not. abs(to - from) > 0.0_wp) return
       first = self%height(from)
       last = self%height(to)
-      ! A steep way from one end to the other has no values beyond them
+      ! First equally spaced samples: a steep range has no values beyond those of its ends
       do looks = 1, samples - 1
          s = real(looks, wp)/samples
          y = self%height(from + s*(to - from))
@@ -76,10 +76,10 @@ contains
       end do
    end subroutine search_law
 
-   !> As above, of a spline, at the knots between those nearest to both places.
+   !> The same for a spline, at the knots between those nearest to both places.
    pure logical function hides_knots(self, from, to, distance) result(found)
       type(curve_type), intent(in) :: self
-      !> Lengths along it
+      !> Arc coordinates of both places, smallest deviation that counts [length]
       real(wp), intent(in) :: from, to, distance
       integer, parameter :: most = 400
       real(wp) :: ends(0:2, 2, 2), x(2), s, h
@@ -104,14 +104,14 @@ contains
       end do
    end function hides_knots
 
-   !> The knot of a spline nearest to a place.
+   !> Index of the knot nearest to a place.
    pure integer function nearest_knot(self, place) result(knot)
       type(curve_type), intent(in) :: self
       real(wp), intent(in) :: place(2)
       knot = minloc((self%x - place(1))**2 + (self%y - place(2))**2, dim=1)
    end function nearest_knot
 
-   !> Whether a value at a part s of the way is off the cubic through both ends.
+   !> Whether a value at the fraction s of the range deviates from the cubic through both ends. Slopes: with respect to s.
    pure logical function is_off(value, s, first, first_slope, last, last_slope, distance) result(off)
       real(wp), intent(in) :: value, s, first, first_slope, last, last_slope, distance
       real(wp), parameter :: part = 0.1_wp

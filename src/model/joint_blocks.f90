@@ -1,4 +1,4 @@
-!> Joints, couplers and drivers of the deck. Everything that the deck's grammar cannot know is checked here. Floor: model.
+!> Joints, couplers and drivers of the deck, with all checks beyond its grammar. Floor: model.
 module limber_model_joint_blocks
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
@@ -21,15 +21,15 @@ module limber_model_joint_blocks
    private
    public :: add_joint, add_coupler, add_driver, most_bends
 
-   !> Most coordinates of a beam that a point slides along
+   !> Largest number of coordinates of a beam in a sliding joint
    integer, parameter :: most_bends = 24
 
 contains
 
-   !> A joint between two points.
+   !> Adds a joint between two points.
    subroutine add_joint(deck, index, model, diagnostics)
       type(deck_type), intent(in) :: deck
-      !> Of the block
+      !> Index of the block
       integer, intent(in) :: index
       type(model_type), intent(inout) :: model
       type(diagnostics_type), intent(inout) :: diagnostics
@@ -57,7 +57,7 @@ contains
       end associate
    end subroutine add_joint
 
-   !> Room for one more joint, which has its name and kind.
+   !> Appends a joint with its name and kind; returns its index.
    integer function new_joint(model, block) result(index)
       type(model_type), intent(inout) :: model
       type(block_type), intent(in) :: block
@@ -74,7 +74,7 @@ contains
       end associate
    end function new_joint
 
-   !> Angles, lengths and radii; a complaint for what a kind needs and the deck does not give.
+   !> Reads angles, lengths and radii. Reports options that the kind needs and the deck does not give.
    subroutine read_sizes(block, joint, diagnostics)
       type(block_type), intent(in) :: block
       type(joint_type), intent(inout) :: joint
@@ -104,11 +104,11 @@ contains
       end do
    end subroutine read_sizes
 
-   !> Bodies that a kind of joint cannot have.
+   !> Reports bodies that a kind of joint cannot connect.
    subroutine check_bodies(block, model, bodies, kind, diagnostics)
       type(block_type), intent(in) :: block
       type(model_type), intent(in) :: model
-      !> Indices of the two, or `ground`
+      !> Indices of both bodies, or `ground`; kind of the joint
       integer, intent(in) :: bodies(2), kind
       type(diagnostics_type), intent(inout) :: diagnostics
       integer :: side
@@ -141,7 +141,7 @@ contains
 
    contains
 
-      !> Whether a body is a piece of a beam; a member of a frame is a beam of its own.
+      !> Whether a body is a piece of a beam. Members of a frame are whole beams.
       pure logical function is_in_segments(body)
          integer, intent(in) :: body
          is_in_segments = model%bodies(body)%whole > 0
@@ -150,7 +150,7 @@ contains
 
    end subroutine check_bodies
 
-   !> First guesses from which a joint cannot begin.
+   !> Reports initial guesses that a joint cannot start from, and warns of doubtful ones.
    subroutine check_guess(block, model, joint, diagnostics)
       type(block_type), intent(in) :: block
       type(model_type), intent(in) :: model
@@ -169,7 +169,7 @@ contains
       end if
    end subroutine check_guess
 
-   !> Guessed angle of the body of a point; nought of the ground.
+   !> Guessed angle of the axes of a point [rad]; 0 for the ground.
    pure real(wp) function guessed_turn(model, point) result(angle)
       type(model_type), intent(in) :: model
       integer, intent(in) :: point
@@ -177,7 +177,7 @@ contains
       if (model%points(point)%body /= ground) angle = model%bodies(model%points(point)%body)%angle - model%points(point)%lean
    end function guessed_turn
 
-   !> Guessed place of a point (2).
+   !> Guessed position of a point (2) [length].
    pure function guess_of(model, point) result(place)
       type(model_type), intent(in) :: model
       integer, intent(in) :: point
@@ -192,7 +192,7 @@ contains
       end associate
    end function guess_of
 
-   !> The curve that a joint names.
+   !> Makes the curve of a joint from its *CURVE.
    subroutine find_curve(deck, block, curve, diagnostics)
       type(deck_type), intent(in) :: deck
       type(block_type), intent(in) :: block
@@ -231,13 +231,13 @@ contains
                & 'give at least three')
             return
          end if
-         ! a closed curve may name its first point again
+         ! A closed curve may repeat its first point
          if (deck%blocks(from)%yes('CLOSED') .and. norm2(points(:, n) - points(:, 1)) <= 1.0e-12_wp*maxval(abs(points))) n = n - 1
          curve = spline_curve(points(:, :n), deck%blocks(from)%yes('CLOSED'))
       end associate
    end subroutine find_curve
 
-   !> A linear coupling of joint coordinates; joints are there.
+   !> Adds a coupler, a linear relation of joint coordinates. All joints must be in the model.
    subroutine add_coupler(block, model, diagnostics)
       type(block_type), intent(in) :: block
       type(model_type), intent(inout) :: model
@@ -263,12 +263,12 @@ contains
          & "' has no joint coordinate", 'add a line: coefficient, angle, body')
    end subroutine add_coupler
 
-   !> coefficient, coordinate, object.
+   !> Reads one term: coefficient, coordinate, object.
    subroutine read_term(block, line, model, term, diagnostics)
       type(block_type), intent(in) :: block
       type(line_type), intent(in) :: line
       type(model_type), intent(in) :: model
-      !> `of` is 0 if there is an error
+      !> `of` is 0 after an error
       type(term_type), intent(out) :: term
       type(diagnostics_type), intent(inout) :: diagnostics
       integer :: before
@@ -309,7 +309,7 @@ contains
       end if
    end subroutine read_term
 
-   !> Warns of what moves a point along a beam that is not exact: section forces of such beams do not know of it.
+   !> Warns of a driver or coupler along a beam that is not exact: the section forces of such beams omit its force.
    subroutine check_along(model, joint, origin, diagnostics)
       type(model_type), intent(in) :: model
       !> Index of the joint
@@ -323,7 +323,7 @@ contains
       end associate
    end subroutine check_along
 
-   !> Index of a joint between two points; 0 if there is none of this name.
+   !> Index of a joint between two points by name; 0 if there is none.
    pure integer function find_joint(model, name) result(found)
       type(model_type), intent(in) :: model
       character(*), intent(in) :: name
@@ -332,7 +332,7 @@ contains
       if (model%joints(found)%kind == joint_coupler) found = 0
    end function find_joint
 
-   !> A motion prescribed in time; joints are there.
+   !> Adds a driver. All joints must be in the model.
    subroutine add_driver(block, model, diagnostics)
       type(block_type), intent(in) :: block
       type(model_type), intent(inout) :: model
@@ -365,7 +365,7 @@ contains
       end if
    end subroutine add_driver
 
-   !> What a driver drives.
+   !> Finds kind, body, joint and points of a driver.
    subroutine read_driven(block, model, kind, body, joint, points, diagnostics)
       type(block_type), intent(in) :: block
       type(model_type), intent(in) :: model
@@ -418,6 +418,7 @@ contains
 
    contains
 
+      !> Reports missing options unless `given`.
       subroutine need(given, options)
          logical, intent(in) :: given
          character(*), intent(in) :: options
@@ -428,7 +429,7 @@ contains
 
    end subroutine read_driven
 
-   !> Integrals of the law of a velocity or an acceleration over the time of all analyses.
+   !> Integrates the law of a velocity or acceleration over the time of all analyses.
    subroutine prepare(model, driver)
       type(model_type), intent(in) :: model
       type(driver_type), intent(inout) :: driver
@@ -444,7 +445,7 @@ contains
             end = max(end, model%steps(i)%dynamics%end)
          end do
       end if
-      ! Without an analysis the first position is asked for all the same
+      ! Without an analysis the first position is still needed
       if (.not. end > start) end = start + max(1.0_wp, abs(start))
       allocate (breaks(0))
       call law_breaks(driver%law, start, end, breaks)

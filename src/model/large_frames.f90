@@ -1,7 +1,6 @@
-!> Frames with large bending as welded exact beams. Each member becomes an exact beam of its own, welded to the others at their
-!> nodes. Before the model is built, beams, masses and welds are written behind the blocks of a copy of the deck; the points of the
-!> frame are points of its members, by their own names (which `model/points_of_action` and `model/beams` know by the sign before
-!> them). Floor: model. Source: doc/theory, part 2.
+!> Frames with large bending as exact beams. Each member becomes an exact beam, welded to the others at the nodes. Beams, masses and
+!> welds are appended to a copy of the deck before the model is built. Points of the frame become points of its members; the sign
+!> `of_frame` before their names is known to `model/points_of_action` and `model/beams`. Floor: model. Source: doc/theory, part 2.
 module limber_model_large_frames
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
@@ -20,9 +19,9 @@ module limber_model_large_frames
    private
    public :: is_large, has_large_frames, expand_frames, unite_frame
 
-   !> Before the name of a point of the frame among those of a member
+   !> Sign before the name of a frame's point among the points of a member
    character(1), parameter, public :: of_frame = '@'
-   !> Blocks to be copied: a beam with a point, a mass, a weld
+   !> Deck with the blocks to be copied: a beam with a point, a mass, a weld
    character(*), parameter :: nl = new_line('a'), pattern = '*MATERIAL, NAME=m, YOUNG=1, DENSITY=1'//nl// &
       & '*SECTION, NAME=s, SHAPE=CIRCLE, DIAMETER=1'//nl//'*BEAM, NAME=b, MATERIAL=m, SECTION=s, LENGTH=1'//nl//' p, 0'//nl// &
       & '*MASS'//nl//' 0, 1, 1'//nl//'*JOINT, NAME=j, TYPE=WELD'//nl//' b.start, b.end'//nl
@@ -37,6 +36,7 @@ contains
       if (is_large) is_large = block%yes('LARGE')
    end function is_large
 
+   !> Whether a deck has a frame of exact beams.
    pure logical function has_large_frames(deck)
       type(deck_type), intent(in) :: deck
       integer :: i
@@ -46,9 +46,9 @@ contains
       end do
    end function has_large_frames
 
-   !> Writes the members of all large frames as beams, and their welds, behind the blocks of the deck.
+   !> Appends the members of all large frames as beams, and their welds, to the blocks of the deck.
    subroutine expand_frames(deck, diagnostics)
-      !> A copy that the model is built of
+      !> Copy of the deck; the model is built from it
       type(deck_type), intent(inout) :: deck
       type(diagnostics_type), intent(inout) :: diagnostics
       type(deck_type) :: patterns
@@ -78,7 +78,7 @@ contains
       call deck%index_names()
    end subroutine expand_frames
 
-   !> What a large frame cannot have.
+   !> Reports a *BOUNDARY on a large frame.
    subroutine check_frame(deck, index, draft, diagnostics)
       type(deck_type), intent(in) :: deck
       integer, intent(in) :: index
@@ -95,13 +95,13 @@ contains
       end if
    end subroutine check_frame
 
-   !> One member: a beam, its named points and masses.
+   !> Writes one member: a beam with named points and masses.
    subroutine write_member(deck, index, draft, m, patterns)
       type(deck_type), intent(inout) :: deck
       !> Block of the frame
       integer, intent(in) :: index
       type(draft_type), intent(in) :: draft
-      !> Member, and what blocks look like
+      !> Index of the member; deck with the blocks to be copied
       integer, intent(in) :: m
       type(deck_type), intent(in) :: patterns
       type(line_type), allocatable :: lines(:)
@@ -166,6 +166,7 @@ contains
 
    contains
 
+      !> Adds a point of the frame at coordinate x of the member.
       subroutine add_line(point, x)
          character(*), intent(in) :: point
          real(wp), intent(in) :: x
@@ -179,7 +180,7 @@ contains
 
    end subroutine write_member
 
-   !> At each node the members that meet there are welded to the first of them.
+   !> Writes the welds: at each node all members are welded to the first one.
    subroutine write_welds(deck, index, draft, patterns)
       type(deck_type), intent(inout) :: deck
       integer, intent(in) :: index
@@ -200,6 +201,7 @@ contains
 
    contains
 
+      !> Direction of a member in the axes of the frame [rad].
       pure real(wp) function lean(m)
          integer, intent(in) :: m
          real(wp) :: line(2)
@@ -207,6 +209,7 @@ contains
          lean = atan2(line(2), line(1))
       end function lean
 
+      !> Name of the member's end at the node.
       function end_name(m) result(name)
          integer, intent(in) :: m
          character(:), allocatable :: name
@@ -216,12 +219,12 @@ contains
 
    end subroutine write_welds
 
-   !> Appends a copy of a block, all of whose places are one in the deck.
+   !> Appends a copy of a block. Origin of all its parts: one place in the deck, for messages.
    subroutine append_block(deck, like, origin, new)
       type(deck_type), intent(inout) :: deck
       type(block_type), intent(in) :: like
       type(origin_type), intent(in) :: origin
-      !> Its index
+      !> Index of the copy
       integer, intent(out) :: new
       integer :: i, k
       new = size(deck%blocks) + 1
@@ -239,7 +242,7 @@ contains
       end associate
    end subroutine append_block
 
-   !> The first member at a node.
+   !> Index of the first member at a node.
    pure integer function owner(draft, node)
       type(draft_type), intent(in) :: draft
       integer, intent(in) :: node
@@ -250,7 +253,7 @@ contains
 
    !> Name of the beam of a member.
    pure function member_name(block, draft, m) result(name)
-      !> Of the frame
+      !> Block of the frame
       type(block_type), intent(in) :: block
       type(draft_type), intent(in) :: draft
       integer, intent(in) :: m
@@ -258,7 +261,7 @@ contains
       name = block%name()//'/'//as_text(draft%number(m))
    end function member_name
 
-   !> Makes a whole of the members of a large frame, which are in the model; its name stands for the first of them.
+   !> Joins the members of a large frame to a whole. They must be in the model; its name refers to the first of them.
    subroutine unite_frame(deck, index, model)
       type(deck_type), intent(in) :: deck
       !> Block of the frame
@@ -274,7 +277,7 @@ contains
       whole%name = deck%blocks(index)%name()
       whole%first = find_body(model, member_name(deck%blocks(index), draft, 1))
       whole%last = whole%first + members - 1
-      ! A member that was refused is no body
+      ! A refused member has no body
       if (whole%first == 0 .or. find_body(model, member_name(deck%blocks(index), draft, members)) /= whole%last) return
       allocate (whole%member_numbers, source=draft%number)
       allocate (whole%place(2, members), whole%lean(members))
@@ -306,14 +309,14 @@ contains
 
    contains
 
-      !> Number of members that meet at a node.
+      !> Number of members at a node.
       pure integer function meeting(node)
          integer, intent(in) :: node
          integer :: m
          meeting = count([(any(draft%members(m)%ends == node), m=1, members)])
       end function meeting
 
-      !> Notes how many members meet at a point.
+      !> Stores the number of members at a point.
       subroutine note(name, number)
          character(*), intent(in) :: name
          integer, intent(in) :: number
@@ -324,7 +327,7 @@ contains
 
    end subroutine unite_frame
 
-   !> Axes of the points of a frame are parallel to those of the frame; those of the members' own points to the members.
+   !> Directs the axes of frame points along the frame. Axes of the members' own points stay along the members.
    pure subroutine lean_points(model, whole)
       type(model_type), intent(inout) :: model
       type(whole_type), intent(in) :: whole

@@ -1,7 +1,7 @@
-!> Instants at which laws of time change their formula. Breaks: where a law of time changes its formula, as min, max, abs, step,
-!> smoothstep, atan2 and tables do; an integrator ends a step there and starts anew. Stations: where a law does in a short time what
-!> it leaves in all the rest, as a narrow pulse does; a step ends there, so that none takes the pulse for nothing. Both are found by
-!> bounds of the law in intervals, which miss nothing between samples. Floor: model. Source: doc/theory, eqs. (5.43), (5.44).
+!> Breaks and stations of laws of time. Breaks: changes of formula by min, max, abs, step, smoothstep, atan2 and tables. An
+!> integrator ends a step there and restarts. Stations: instants around short events, such as narrow pulses. A step ends there, so
+!> that no step skips a pulse. Interval bounds of the law find both; samples alone could miss them. Floor: model. Source:
+!> doc/theory, eqs. (5.43), (5.44).
 module limber_model_law_breaks
    use, intrinsic :: ieee_exceptions, only: ieee_status_type, ieee_get_status, ieee_set_status, ieee_set_halting_mode, ieee_all
    use limber_base_kinds, only: wp
@@ -13,37 +13,37 @@ module limber_model_law_breaks
    private
    public :: find_breaks, changes_between, last_instant, round_off, law_breaks, find_stations, law_stations, undefined_at
 
-   !> Equal parts of the time that are looked at whatever the bounds say; most of a law whose pulses are shorter
+   !> Number of equal parts of the time that are always examined; largest number for shorter pulses
    integer, parameter :: parts = 500, most_parts = 32000
-   !> Part of the whole time within which two breaks are one
+   !> Two breaks closer than this fraction of the whole time count as one
    real(wp), parameter :: apart = 1.0e-12_wp
-   !> Most breaks, and most stations, of one model: a law that has more is told
+   !> Largest number of breaks, and of stations, of a model; a law with more is reported
    integer, parameter :: most_breaks = 5000, most_stations = 20000
-   !> Most intervals of a law that are divided further, in all and for each break: bounds that stay too wide end there
+   !> Largest number of divided intervals of a law, in all and for each break: a limit where the bounds stay too wide
    integer, parameter :: most_divided = 20000, divided_each = 100
-   !> Changes of a law in one of the equal parts relative to all that it changes by: that of one which rests, and of one that needs
-   !> stations, which a law has that rests for so much of the time
+   !> Change of a law within a part, relative to its total change: below `resting` it rests, above `steep` it needs stations. A law
+   !> has stations only if it rests for at least the fraction `restful` of the time
    real(wp), parameter :: resting = 1.0e-4_wp, steep = 0.03_wp, restful = 0.2_wp
-   !> Relative change between two stations, also relative to the way from where the law rests; and of a law with more stations than
-   !> so many, which are those of many pulses
+   !> Change of a law between two stations: relative to its total change, and to its distance from its value at rest; and for a law
+   !> with many pulses, that is, more than `many` stations
    real(wp), parameter :: change = 0.02_wp, near_rest = 0.75_wp, coarse = 0.3_wp
    integer, parameter :: many = 2000
-   !> Part of the way from one break to the next that one of many pulses may take and have no stations: steps end at the breaks
+   !> For many pulses: a pulse that takes at least this fraction of the interval between two breaks needs no stations
    real(wp), parameter :: between = 0.25_wp
 
 contains
 
-   !> The breaks of all drivers and loads of a model within its dynamic analysis, in order, each once.
+   !> Breaks of all drivers, couplers and loads within the dynamic analysis, in ascending order, each once.
    subroutine find_breaks(model, times, restless)
       type(model_type), intent(in) :: model
       real(wp), allocatable, intent(out) :: times(:)
-      !> Name of a driver, joint or load whose law has more than are looked for; empty if there is none
+      !> Name of a driver, coupler or load with too many breaks; empty if there is none
       character(:), allocatable, intent(out) :: restless
       allocate (times(0))
       call visit_laws(model, .false., times, restless)
    end subroutine find_breaks
 
-   !> The stations of the same laws, in order.
+   !> Stations of the same laws, in ascending order. `restless`: as in `find_breaks`.
    subroutine find_stations(model, times, restless)
       type(model_type), intent(in) :: model
       real(wp), allocatable, intent(out) :: times(:)
@@ -52,13 +52,13 @@ contains
       call visit_laws(model, .true., times, restless)
    end subroutine find_stations
 
-   !> Times so near that there is no step between them.
+   !> Largest distance of times with no step between them.
    pure real(wp) function round_off(start, end)
       real(wp), intent(in) :: start, end
       round_off = 4*spacing(max(abs(start), abs(end)))
    end function round_off
 
-   !> The last instant of an analysis: its end, or right before it where a law of time changes its formula there.
+   !> Last instant of an analysis: its end, or just before it if a law changes its formula there.
    real(wp) function last_instant(model, start, end) result(last)
       type(model_type), intent(in) :: model
       real(wp), intent(in) :: start, end
@@ -70,7 +70,7 @@ contains
       end if
    end function last_instant
 
-   !> Whether a law of time has other formulas at one instant than at another.
+   !> Whether a law of time has different formulas at two instants.
    logical function changes_between(model, from, to) result(changes)
       type(model_type), intent(in) :: model
       real(wp), intent(in) :: from, to
@@ -88,6 +88,7 @@ contains
 
    contains
 
+      !> Whether one law has different formulas.
       logical function differs(law)
          type(expression_type), intent(in) :: law
          differs = .false.
@@ -96,10 +97,10 @@ contains
 
    end function changes_between
 
-   !> Adds the instants of all laws of time.
+   !> Adds the breaks or stations of all laws.
    subroutine visit_laws(model, stations, times, restless)
       type(model_type), intent(in) :: model
-      !> Which ones
+      !> True for stations, false for breaks
       logical, intent(in) :: stations
       real(wp), allocatable, intent(inout) :: times(:)
       character(:), allocatable, intent(out) :: restless
@@ -119,6 +120,7 @@ contains
 
    contains
 
+      !> Adds the breaks or stations of one law.
       subroutine visit(law, name)
          type(expression_type), intent(in) :: law
          character(*), intent(in) :: name
@@ -133,8 +135,8 @@ contains
 
    end subroutine visit_laws
 
-   !> The law of a part of a load as one of time alone: what else it depends on counts as 1. So the factors of a law that are of time show
-   !> where they change; where others do only the motion can tell.
+   !> Law of a load part as a function of time alone: all other variables are 1. Factors in time alone keep their breaks. Breaks
+   !> that depend on other variables are known only during the motion.
    function law_of_time(part) result(law)
       type(load_part_type), intent(in) :: part
       type(expression_type) :: law
@@ -160,13 +162,13 @@ contains
       allocate (law%slots(n))
    end function law_of_time
 
-   !> Adds the breaks of one law to a list in order.
+   !> Adds the breaks of one law to an ordered list.
    subroutine law_breaks(law, start, end, times, whole)
       type(expression_type), intent(in) :: law
-      !> First and last time; breaks at these two do not count
+      !> First and last time; breaks at these do not count
       real(wp), intent(in) :: start, end
       real(wp), allocatable, intent(inout) :: times(:)
-      !> False if it has more than are looked for
+      !> False if there are too many breaks
       logical, intent(out), optional :: whole
       integer :: divided
       if (present(whole)) whole = .true.
@@ -177,11 +179,11 @@ contains
       if (present(whole)) whole = size(times) < most_breaks .and. divided < most_divided + divided_each*size(times)
    end subroutine law_breaks
 
-   !> Searches the equal parts from one edge to another by halves, and not where the bounds leave no room for a change.
+   !> Searches a range of parts by bisection; leaves out ranges whose bounds exclude a change.
    recursive subroutine search_parts(law, start, end, from, to, divided, times)
       type(expression_type), intent(in) :: law
       real(wp), intent(in) :: start, end
-      !> Edges of parts
+      !> Indices of the first and last edge
       integer, intent(in) :: from, to
       integer, intent(inout) :: divided
       real(wp), allocatable, intent(inout) :: times(:)
@@ -209,13 +211,13 @@ contains
       if (part == parts) part_end = end
    end function part_end
 
-   !> Finds all changes of the formula between two times: between those at whose ends it differs by bisection, and by division of
-   !> intervals in which the bounds leave room for more.
+   !> Finds all changes of formula between two times: by bisection if the formulas at both ends differ, else by division of the
+   !> interval while its bounds allow a change.
    recursive subroutine search_breaks(law, start, end, left, right, divided, times)
       type(expression_type), intent(in) :: law
-      !> The whole time, and the interval
+      !> Whole time, and the interval
       real(wp), intent(in) :: start, end, left, right
-      !> Number of intervals that were divided
+      !> Number of divided intervals so far
       integer, intent(inout) :: divided
       real(wp), allocatable, intent(inout) :: times(:)
       type(range_type) :: range
@@ -238,7 +240,7 @@ contains
       end if
    end subroutine search_breaks
 
-   !> The first instant of the branch that follows that of `left`, to the bit, by bisection.
+   !> First instant of the next formula after that of `left`, by bisection to the last bit.
    real(wp) function first_change(law, left, right) result(found)
       type(expression_type), intent(in) :: law
       real(wp), intent(in) :: left, right
@@ -256,13 +258,13 @@ contains
       end do
    end function first_change
 
-   !> Adds the stations of one law to a list in order. Only a law that rests for much of the time has any; what is busy throughout the
-   !> error of each step shows. They lie where it changes steeply, and around that as far as it moves at all.
+   !> Adds the stations of one law to an ordered list. Only a law that rests for much of the time has stations; otherwise error
+   !> control is enough. They surround steep changes, over the whole time of each change.
    subroutine law_stations(law, start, end, times, whole)
       type(expression_type), intent(in) :: law
       real(wp), intent(in) :: start, end
       real(wp), allocatable, intent(inout) :: times(:)
-      !> False if it has more than are looked for
+      !> False if there are too many stations
       logical, intent(out), optional :: whole
       real(wp), allocatable :: breaks(:), edges(:), before_this(:)
       type(range_type), allocatable :: ranges(:)
@@ -287,7 +289,7 @@ contains
          span = maxval(ranges%high) - minval(ranges%low)
          moving = ranges%high - ranges%low > resting*span
          if (sum(edges(2:) - edges(:n), mask=.not. moving) >= restful*(end - start)) exit
-         ! Pulses that come so fast that no part rests
+         ! Pulses in such quick succession that no part rests
          cuts = 4*cuts
          if (cuts <= most_parts) cycle
          if (present(whole)) whole = .false.
@@ -303,12 +305,12 @@ contains
 
    contains
 
-      !> Stations around each pulse.
+      !> Places stations around each pulse.
       subroutine place_stations(change, near_rest, most, sparing)
          real(wp), intent(in) :: change, near_rest
-         !> Stations at which it ends
+         !> Limit of the number of stations
          integer, intent(in) :: most
-         !> Whether pulses between breaks have none
+         !> Whether pulses that fill much of an interval between breaks get none
          logical, intent(in) :: sparing
          logical :: spared
          real(wp) :: rest(2)
@@ -339,9 +341,9 @@ contains
          end do
       end subroutine place_stations
 
-      !> Whether a pulse takes much of the way from break to break that a time is in.
+      !> Whether a pulse fills much of the interval between two breaks around a time.
       pure logical function fills_piece(t, first, last)
-         !> Time; the pulse
+         !> Time; start and end of the pulse
          real(wp), intent(in) :: t, first, last
          real(wp) :: left, right
          left = start
@@ -353,13 +355,13 @@ contains
 
    end subroutine law_stations
 
-   !> Whether the law has nearly one value at many instants, which lie as irregularly as no law repeats itself.
+   !> Whether the law has nearly the same value at many instants. The instants are irregular, unlike any periodic law.
    logical function often_rests(law, start, end)
       type(expression_type), intent(in) :: law
       real(wp), intent(in) :: start, end
-      !> Part of the time between two instants, modulo 1
+      !> Fraction of the time between two instants, modulo 1
       real(wp), parameter :: golden = 0.6180339887498949_wp
-      !> Instants that are looked at first, and of how many of them: most laws that move show it
+      !> First sample of instants, and number of reference values from it: enough to exclude most moving laws
       integer, parameter :: first = parts/4, few = 40
       real(wp) :: value(parts), span
       type(range_type) :: range
@@ -378,7 +380,7 @@ contains
 
    contains
 
-      !> The most of the first instants at which the law is as at one of them: of a few until these are all.
+      !> Counts how many of the first n instants have nearly the value of one of them; the largest count over the reference values.
       subroutine count_near(n)
          integer, intent(in) :: n
          span = maxval(value(:n)) - minval(value(:n))
@@ -392,7 +394,7 @@ contains
 
    end function often_rests
 
-   !> Edges of the equal parts and breaks, in order.
+   !> Edges of the equal parts and breaks, in ascending order.
    subroutine cut(start, end, parts, breaks, edges)
       real(wp), intent(in) :: start, end
       !> Number of parts
@@ -418,22 +420,22 @@ contains
       edges = edges(:k)
    end subroutine cut
 
-   !> A time, or if it is a break the last one before it.
+   !> The time t, or the last number before it if t is a break.
    pure real(wp) function before(t, breaks)
       real(wp), intent(in) :: t, breaks(:)
       before = t
       if (any(.not. abs(breaks - t) > 0.0_wp)) before = nearest(t, -1.0_wp)
    end function before
 
-   !> Divides an interval until the law changes little in each piece, eq. (5.44); their ends are stations.
+   !> Divides an interval until the law changes little in each piece, eq. (5.44). The ends of the pieces become stations.
    recursive subroutine search_stations(law, duration, left, right, whole, rest, change, near_rest, most, divided, times)
       type(expression_type), intent(in) :: law
       real(wp), intent(in) :: duration, left, right
-      !> All that the law changes by, and its values where it rests before and after
+      !> Total change of the law, and its values at rest before and after
       real(wp), intent(in) :: whole, rest(2)
-      !> Relative changes between two stations
+      !> Relative changes between two stations, as `change` and `near_rest` above
       real(wp), intent(in) :: change, near_rest
-      !> Stations at which it ends
+      !> Limit of the number of stations
       integer, intent(in) :: most
       integer, intent(inout) :: divided
       real(wp), allocatable, intent(inout) :: times(:)
@@ -450,7 +452,7 @@ contains
       call search_stations(law, duration, middle, right, whole, rest, change, near_rest, most, divided, times)
    end subroutine search_stations
 
-   !> The first instant from which on a law is not defined or grows without bound; beyond `end` if there is none.
+   !> First instant at which a law is undefined or tends to infinity; beyond `end` if there is none.
    real(wp) function undefined_at(law, start, end) result(found)
       type(expression_type), intent(in) :: law
       real(wp), intent(in) :: start, end
@@ -461,7 +463,7 @@ contains
       if (size(law%slots) == 0) return
       range = law_range(law, start, end)
       if (range%defined) return
-      ! Values that are no numbers are looked for: they must not stop a program that is built to stop at them
+      ! The search evaluates undefined values: floating-point exceptions must not stop the program
       call ieee_get_status(status)
       call ieee_set_halting_mode(ieee_all, .false.)
       divided = 0
@@ -473,8 +475,8 @@ contains
       call ieee_set_status(status)
    end function undefined_at
 
-   !> Divides an interval where the bounds do not say that the law is defined. Where its value is not a number, or gets ten times as
-   !> large a thousand times nearer, it is not; elsewhere the bounds were too wide.
+   !> Divides an interval where the bounds do not prove that the law is defined. The law is undefined if a value is not a number, or
+   !> grows tenfold at a thousandth of the distance. Else the bounds were too wide.
    recursive subroutine search_undefined(law, duration, left, right, divided, found)
       type(expression_type), intent(in) :: law
       real(wp), intent(in) :: duration, left, right
@@ -496,7 +498,7 @@ contains
       end if
    end subroutine search_undefined
 
-   !> Larger magnitude at a distance on both sides of a time; huge where there is none.
+   !> Larger magnitude at a distance on both sides of a time; huge if a value is undefined.
    real(wp) function largest(law, t, distance)
       type(expression_type), intent(in) :: law
       real(wp), intent(in) :: t, distance
@@ -506,7 +508,7 @@ contains
       if (.not. all(values < huge(largest))) largest = huge(largest)
    end function largest
 
-   !> The first time without a value, of an interval with such a time at its end.
+   !> First time without a value, in an interval with such a time at one end.
    real(wp) function first_undefined(law, left, right) result(found)
       type(expression_type), intent(in) :: law
       real(wp), intent(in) :: left, right
@@ -526,12 +528,12 @@ contains
       end do
    end function first_undefined
 
-   !> Puts a time into a list in order, unless it is there already.
+   !> Inserts a time into an ordered list, unless one within `width` is there.
    subroutine insert(t, width, times)
       real(wp), intent(in) :: t, width
       real(wp), allocatable, intent(inout) :: times(:)
       if (size(times) > 0) then
-         ! Most come in order
+         ! Most times come in order
          if (t - times(size(times)) > width) then
             times = [times, t]
             return

@@ -1,5 +1,5 @@
-!> Integrals of a law of time as piecewise Chebyshev series. Piecewise Chebyshev series between the law's breaks, as short as
-!> round-off needs. What a driver of a velocity or an acceleration prescribes. Floor: model. Source: doc/theory, eq. (3.29).
+!> Integrals of a law of time as piecewise Chebyshev series between the breaks of the law, to round-off. For drivers of velocity or
+!> acceleration. Floor: model. Source: doc/theory, eq. (3.29).
 module limber_model_law_integrals
    use limber_base_kinds, only: wp
    use limber_deck_expression, only: expression_type
@@ -8,15 +8,15 @@ module limber_model_law_integrals
    private
    public :: integral_type, integrate, integral_value
 
-   !> Terms of a piece, and most pieces
+   !> Terms of each series, and largest number of pieces
    integer, parameter :: terms = 24, most = 100000
    real(wp), parameter :: pi = acos(-1.0_wp)
 
-   !> Integrals of one law: zero at the first edge
+   !> First and second integral of a law; both are zero at the first edge
    type :: integral_type
       !> Edges of the pieces (0:pieces)
       real(wp), allocatable :: edges(:)
-      !> Series of the first and of the second integral within each (0:terms, 2, pieces)
+      !> Coefficients of the first and second integral on each piece (0:terms, 2, pieces)
       real(wp), allocatable :: series(:, :, :)
    end type integral_type
 
@@ -26,7 +26,7 @@ contains
    function integrate(law, start, end, breaks) result(integral)
       type(expression_type), intent(in) :: law
       real(wp), intent(in) :: start, end
-      !> Instants in order where the law bends or jumps
+      !> Breaks of the law in ascending order [time]
       real(wp), intent(in) :: breaks(:)
       type(integral_type) :: integral
       real(wp), allocatable :: edges(:), longer(:)
@@ -64,7 +64,7 @@ contains
       call fill(law, basis, integral)
    end function integrate
 
-   !> Series of all pieces, each beginning where the last has come to.
+   !> Computes the series of all pieces; each starts at the end value of the piece before.
    subroutine fill(law, basis, integral)
       type(expression_type), intent(in) :: law
       real(wp), intent(in) :: basis(:, 0:)
@@ -83,8 +83,8 @@ contains
       end do
    end subroutine fill
 
-   !> Whether the last terms of a piece's series are round-off, that of the time included. A piece in which the law is a millionth
-   !> of what it is elsewhere need not be known as well as that.
+   !> Whether the last terms of a piece's series are round-off, of the law or of the time. Where the law is below a millionth of its
+   !> largest value, the precision may be lower.
    logical function resolved(law, basis, left, right, scale)
       type(expression_type), intent(in) :: law
       real(wp), intent(in) :: basis(:, 0:), left, right
@@ -95,7 +95,7 @@ contains
       type(jet_type) :: jet
       integer :: i
       c = chebyshev(law, basis, left, right)
-      ! Where it has no value shorter pieces do not help
+      ! Shorter pieces do not help where the law has no value
       resolved = .not. all(abs(c) <= huge(c))
       if (resolved) return
       slope = 0.0_wp
@@ -107,7 +107,7 @@ contains
          & epsilon(slope)*max(abs(left), abs(right))*slope)
    end function resolved
 
-   !> Largest value of a law at equal distances and where it bends.
+   !> Largest absolute value of a law, sampled at equal intervals and at its breaks.
    real(wp) function largest(law, start, end, breaks)
       type(expression_type), intent(in) :: law
       real(wp), intent(in) :: start, end, breaks(:)
@@ -122,7 +122,7 @@ contains
       end do
    end function largest
 
-   !> Chebyshev polynomials (from 0) at the Chebyshev points.
+   !> Chebyshev polynomials at the Chebyshev points (points, degree from 0).
    pure function cosines() result(basis)
       real(wp) :: basis(terms - 1, 0:terms - 2)
       integer :: j, k
@@ -133,8 +133,8 @@ contains
       end do
    end function cosines
 
-   !> Coefficients of the polynomial through a law at the Chebyshev points of a piece, all inside it; the last two are zero, so
-   !> that there is room for two integrations.
+   !> Coefficients of the polynomial through a law at the inner Chebyshev points of a piece. The last two are zero: room for two
+   !> integrations.
    function chebyshev(law, basis, left, right) result(c)
       type(expression_type), intent(in) :: law
       real(wp), intent(in) :: basis(:, 0:), left, right
@@ -149,7 +149,7 @@ contains
       end do
    end function chebyshev
 
-   !> Series of the integral that has a value at the left end.
+   !> Series of the integral, with a given value at the left end.
    pure function antiderivative(c, half, start) result(b)
       real(wp), intent(in) :: c(0:terms)
       !> Half the length of the piece; value at its left end
@@ -165,7 +165,7 @@ contains
       b(0) = start - clenshaw(b, -1.0_wp)
    end function antiderivative
 
-   !> Value of a series at x from -1 to 1.
+   !> Value of a series at x, -1 <= x <= 1, by Clenshaw's recurrence.
    pure real(wp) function clenshaw(c, x) result(value)
       real(wp), intent(in) :: c(0:terms), x
       real(wp) :: one, two, next
@@ -180,11 +180,11 @@ contains
       value = x*one - two + c(0)
    end function clenshaw
 
-   !> The first or second integral with its two derivatives.
+   !> First or second integral at time t, with its two derivatives.
    pure function integral_value(integral, law, level, t) result(jet)
       type(integral_type), intent(in) :: integral
       type(expression_type), intent(in) :: law
-      !> 1: the law is the first derivative, 2: the second
+      !> 1: the law is the velocity, 2: the acceleration
       integer, intent(in) :: level
       real(wp), intent(in) :: t
       type(jet_type) :: jet, own

@@ -1,22 +1,22 @@
-!> Lists that grow at constant cost per item. They have room ahead, so that adding to them costs the same whatever their length.
-!> `append` and, once all is there, `trim_lists`. Floor: model.
+!> Lists that grow at constant cost per item. Their memory doubles when it is full; `trim_lists` cuts it to the number of items.
+!> Floor: model.
 module limber_model_lists
    use limber_model_model, only: model_type, body_type, point_type, joint_type, channel_type
    implicit none
    private
    public :: append, trim_lists
 
-   !> `append(list, count, item)`: puts an item behind the first `count` of a list and counts it; the list may be longer than that
+   !> `append(list, count, item)` puts an item behind the first `count` items and increases `count`; size(list) may exceed `count`
    interface append
       module procedure :: append_body, append_point, append_joint, append_channel
    end interface append
 
-   !> Room of a list at first
+   !> First size of a list
    integer, parameter :: least = 8
 
 contains
 
-   !> Cuts all lists to what is in them.
+   !> Cuts all lists to their numbers of items.
    subroutine trim_lists(model)
       type(model_type), intent(inout) :: model
       associate (counts => model%counts)

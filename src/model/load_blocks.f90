@@ -1,5 +1,5 @@
-!> Loads and damping of the deck. Forces, torques, springs, bushings, friction, and the damping of beams. Each is made of parts
-!> that act along one scalar of the motion. Floor: model.
+!> Loads and damping of the deck: forces, torques, springs, bushings, friction, damping of beams. Each load consists of parts, and
+!> each part acts along one scalar function of the motion. Floor: model.
 module limber_model_load_blocks
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
@@ -27,7 +27,7 @@ module limber_model_load_blocks
 
 contains
 
-   !> A force, by its two components; one that is zero is left out.
+   !> Adds a force as one part for each of its two components; a zero component is left out.
    subroutine add_force(block, model, diagnostics)
       type(block_type), intent(in) :: block
       type(model_type), intent(inout) :: model
@@ -48,7 +48,7 @@ contains
       call name_load(block, load_force, first, model)
    end subroutine add_force
 
-   !> A torque on the frame of a body or on a section.
+   !> Adds a torque on the frame of a body or on a section.
    subroutine add_torque(block, model, diagnostics)
       type(block_type), intent(in) :: block
       type(model_type), intent(inout) :: model
@@ -80,7 +80,7 @@ contains
       call name_load(block, load_torque, size(model%load_parts), model)
    end subroutine add_torque
 
-   !> A spring or damper between two points, or between two sections that turn.
+   !> Adds a spring or damper between two points, or a rotational one between two sections.
    subroutine add_spring(block, model, diagnostics)
       type(block_type), intent(in) :: block
       type(model_type), intent(inout) :: model
@@ -115,6 +115,7 @@ contains
       call name_load(block, merge(load_rotational, load_spring, turning), size(model%load_parts), model)
    end subroutine add_spring
 
+   !> Adds a bushing: two translational parts and a rotational one.
    subroutine add_bushing(block, model, diagnostics)
       type(block_type), intent(in) :: block
       type(model_type), intent(inout) :: model
@@ -139,7 +140,7 @@ contains
       call name_load(block, load_bushing, size(model%load_parts) - 2, model)
    end subroutine add_bushing
 
-   !> Viscous friction along what a joint leaves free.
+   !> Adds viscous friction along the free coordinate of a joint.
    subroutine add_friction(block, model, diagnostics)
       type(block_type), intent(in) :: block
       type(model_type), intent(inout) :: model
@@ -165,7 +166,7 @@ contains
       end associate
    end subroutine add_friction
 
-   !> Damping of a beam or frame, or of all pieces of a beam in segments.
+   !> Adds damping of a beam or frame; of a beam in segments for all pieces.
    subroutine add_damping(block, model, diagnostics)
       type(block_type), intent(in) :: block
       type(model_type), intent(inout) :: model
@@ -181,7 +182,7 @@ contains
       end do
    end subroutine add_damping
 
-   !> Ratios of damping of the coordinates of a body: eq. (3.39).
+   !> Adds the damping of the modes of a body, eq. (3.39).
    subroutine damp(block, body, before, model, diagnostics)
       type(block_type), intent(in) :: block
       !> Body, and number of errors before the block
@@ -199,7 +200,7 @@ contains
          ratio = block%real('RATIO')
          do i = 1, size(block%lines)
             mode = nint(block%lines(i)%number(1))
-            ! Of a beam in error nothing is known
+            ! A beam in error has no modes
             if (reduced%n == 0 .and. before > 0) cycle
             if (mode > reduced%n) then
                call diagnostics%add(block%lines(i)%origin_of(1), "beam '"//model%bodies(body)%name//"' has "// &
@@ -216,14 +217,14 @@ contains
             reduced%damping(i, i) = 2*ratio(i)*sqrt(reduced%omega2(i)) + block%real('RAYLEIGH ALPHA') &
                & + block%real('RAYLEIGH BETA')*reduced%omega2(i)
          end do
-         ! That of its modes as it is held is found once the scene is assembled
+         ! Damping by the modes under the supports is computed after the assembly
          if (.not. (maxval(ratio) > 0.0_wp .or. block%real('RAYLEIGH ALPHA') > 0.0_wp)) return
          allocate (model%bodies(body)%ratio, source=ratio)
          model%bodies(body)%rayleigh = [block%real('RAYLEIGH ALPHA'), block%real('RAYLEIGH BETA')]
       end associate
    end subroutine damp
 
-   !> Finds what the laws of all loads ask for, once all bodies, joints and springs are known.
+   !> Finds the quantities in the laws of all loads. All bodies, joints and springs must be in the model.
    subroutine resolve_laws(model, diagnostics)
       type(model_type), intent(inout) :: model
       type(diagnostics_type), intent(inout) :: diagnostics
@@ -242,6 +243,7 @@ contains
 
    contains
 
+      !> Finds the quantity of one variable.
       subroutine resolve(part, slot)
          integer, intent(in) :: part, slot
          type(quantity_type) :: quantity
@@ -261,7 +263,7 @@ contains
 
    end subroutine resolve_laws
 
-   !> Complains of a quantity that is not one of places and velocities.
+   !> Reports a quantity that is neither a position nor a velocity.
    subroutine check_quantity(kind, origin, diagnostics)
       integer, intent(in) :: kind
       type(origin_type), intent(in) :: origin
@@ -279,8 +281,8 @@ contains
       call diagnostics%add(origin, "a load cannot depend on '"//trim(quantities(kind)%name)//"'", 'it may depend on '//list)
    end subroutine check_quantity
 
-   !> Complains of a coordinate along a beam, and of a quantity that is measured from the frame of a beam in segments, unless that
-   !> is the frame of its own piece.
+   !> Reports a coordinate along a beam, and quantities measured from the frame of a beam in segments. Exception: the first piece,
+   !> if it carries the frame of the whole.
    subroutine check_frame(model, quantity, origin, diagnostics)
       type(model_type), intent(in) :: model
       type(quantity_type), intent(in) :: quantity
@@ -303,7 +305,7 @@ contains
          & 'let it depend on x, y, vx, vy of points')
    end subroutine check_frame
 
-   !> A part without stiffness, damping and law.
+   !> A part without stiffness, damping and law. `along`: kind of coordinate; `first`, `second`: points, or 0.
    pure function new_part(along, first, second) result(part)
       integer, intent(in) :: along, first, second
       type(load_part_type) :: part
@@ -318,6 +320,7 @@ contains
       if (law%is_constant()) is_zero = .not. abs(law%constant_value()) > 0.0_wp
    end function is_zero
 
+   !> Gives a part a law and its factor.
    pure subroutine set_law(part, law, factor)
       type(load_part_type), intent(inout) :: part
       type(expression_type), intent(in) :: law
@@ -327,7 +330,7 @@ contains
       part%factor = factor
    end subroutine set_law
 
-   !> A law that does not change.
+   !> A constant law.
    pure function constant(value) result(law)
       real(wp), intent(in) :: value
       type(expression_type) :: law
@@ -337,7 +340,7 @@ contains
       allocate (law%slots(0))
    end function constant
 
-   !> Appends by hand: array constructors of types with deep components copy badly.
+   !> Appends a part to the model. No array constructor: gfortran copies types with deep components badly there.
    subroutine append_part(model, part)
       type(model_type), intent(inout) :: model
       type(load_part_type), intent(in) :: part
@@ -350,7 +353,7 @@ contains
       call move_alloc(longer, model%load_parts)
    end subroutine append_part
 
-   !> Names the parts from an index to the end of their list.
+   !> Enters a named load with the parts from `first` to the last one.
    subroutine name_load(block, kind, first, model)
       type(block_type), intent(in) :: block
       integer, intent(in) :: kind, first
@@ -367,7 +370,7 @@ contains
       call move_alloc(longer, model%loads)
    end subroutine name_load
 
-   !> The two points of a data line; 0 with a complaint where there is none.
+   !> Finds the two points of the data line; 0 and an error where there is none.
    subroutine find_pair(block, model, points, diagnostics)
       type(block_type), intent(in) :: block
       type(model_type), intent(in) :: model
@@ -379,7 +382,7 @@ contains
       end do
    end subroutine find_pair
 
-   !> Complains of a spring at two points of one body that is not a beam.
+   !> Reports a spring between two points of one body that is no beam.
    subroutine check_pair(block, model, points, turning, diagnostics)
       type(block_type), intent(in) :: block
       type(model_type), intent(in) :: model
@@ -399,7 +402,7 @@ contains
       end if
    end subroutine check_pair
 
-   !> Complains of points that cannot turn.
+   !> Reports points of a rotational spring on a point mass.
    subroutine check_turning(block, model, points, diagnostics)
       type(block_type), intent(in) :: block
       type(model_type), intent(in) :: model
@@ -411,7 +414,7 @@ contains
       end do
    end subroutine check_turning
 
-   !> Complains of a point mass.
+   !> Reports a point on a point mass, which has no rotation.
    subroutine need_frame(model, point, text, origin, diagnostics)
       type(model_type), intent(in) :: model
       integer, intent(in) :: point
@@ -423,7 +426,7 @@ contains
          & "'"//text//"' is a point mass and does not turn")
    end subroutine need_frame
 
-   !> The point whose section an option names.
+   !> Point of an option whose section is meant; 0 with an error if there is none.
    integer function section(block, option, model, diagnostics) result(point)
       type(block_type), intent(in) :: block
       character(*), intent(in) :: option
@@ -433,7 +436,7 @@ contains
       if (point > 0) call need_frame(model, point, block%text(option), block%origin_of(option), diagnostics)
    end function section
 
-   !> A point that turns with the frame of a body, whatever deflects.
+   !> Adds a point that turns with the frame of a body, independent of deflections.
    integer function frame_point(model, body) result(point)
       type(model_type), intent(inout) :: model
       integer, intent(in) :: body
@@ -445,7 +448,7 @@ contains
       point = model%counts%points
    end function frame_point
 
-   !> Whether a body, or the ground, is a beam or a frame.
+   !> Whether a body is a beam or a frame.
    pure logical function is_beam(model, body)
       type(model_type), intent(in) :: model
       integer, intent(in) :: body

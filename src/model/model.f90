@@ -1,5 +1,5 @@
-!> Types of the model: bodies, points, joints, drivers, loads, requests. Constant once it is built; it knows neither the deck's text
-!> nor any state. Floor: model.
+!> Types of the model: bodies, points, joints, drivers, loads, requests. The model is constant once it is built. It contains neither
+!> text of the deck nor states. Floor: model.
 module limber_model_model
    use limber_base_kinds, only: wp, long
    use limber_base_names, only: name_index_type
@@ -21,133 +21,133 @@ module limber_model_model
    public :: load_part_type, distributed_load_type, named_load_type, scalar_type
    public :: dynamics_type, analysis_step_type, channel_type, quantity_type, dimension_type, units_type
 
-   !> Kinds of bodies: a point mass has a position only, the others a floating frame too
+   !> Kinds of bodies: a point mass has a position only, other bodies also have a direction
    integer, parameter, public :: body_point = 1, body_rigid = 2, body_flexible = 3
-   !> Kinds of joint coordinates that couplers and drivers know: the angle of a body's frame, of the first section of a joint in
-   !> the second, the place of the first point of a joint along its line
+   !> Joint coordinates for couplers and drivers: angle of a body's frame; angle of a joint's first section relative to the second;
+   !> position of a joint's first point along its line
    integer, parameter, public :: coordinate_angle = 1, coordinate_joint_angle = 2, coordinate_displacement = 3
-   !> What a driver drives: the angle of a body, or of a joint, the distance of two points, the place along the line of a joint,
-   !> the coordinates of a point
+   !> Coordinate of a driver: angle of a body or joint, distance of two points, position along the line of a joint, x or y of a
+   !> point
    integer, parameter, public :: driver_angle = 1, driver_joint_angle = 2, driver_distance = 3, driver_displacement = 4, &
       & driver_x = 5, driver_y = 6
    !> Kinds of analyses
    integer, parameter, public :: step_kinematics = 1, step_inverse = 2, step_statics = 3, step_modes = 4, step_dynamics = 5
-   !> What a static analysis does where the equilibrium turns unstable
+   !> Action of a static analysis at an unstable equilibrium
    integer, parameter, public :: leave_unstable = 1, stay_unstable = 2, stop_unstable = 3
-   !> Velocities that a dynamic analysis starts with: those at the end of the one before, none, those of the deck
+   !> Initial velocities of a dynamic analysis: from the end of the analysis before, zero, from the deck
    integer, parameter, public :: velocities_kept = 1, velocities_none = 2, velocities_of_deck = 3
-   !> Index that stands for the ground where a body is expected
+   !> Index of the ground, in place of a body
    integer, parameter, public :: ground = 0
 
-   !> What a part of a load acts along: the displacement of P1 along a fixed axis, relative to P2 if there is one; P1 itself along an axis
-   !> of its section; the distance of the points; the coordinate of P1 from P2 along an axis of the section at P2; the angle of the
-   !> section at P1 less that at P2
+   !> Coordinate of a load: displacement of P1 along a fixed axis, relative to P2 if there is one; displacement of P1 along an axis
+   !> of its section; distance of P1 and P2; position of P1 from P2 along an axis of the section at P2; angle of the section at P1
+   !> less that at P2
    integer, parameter, public :: along_axis = 1, along_follower = 2, along_distance = 3, along_slide = 4, along_angle = 5
-   !> Kinds of loads that the deck names
+   !> Kinds of loads in the deck
    integer, parameter, public :: load_force = 1, load_torque = 2, load_spring = 3, load_rotational = 4, load_bushing = 5, &
       & load_distributed = 6, load_friction = 7
-   !> Most things that the law of a load depends on
+   !> Largest number of variables in the law of a load
    integer, parameter, public :: most_slots = 15
    !> Kinds of summaries of a channel, and their names
    integer, parameter, public :: summary_first = 1, summary_last = 2, summary_minimum = 3, summary_maximum = 4, &
       & summary_mean = 5, summary_rms = 6
    character(7), parameter, public :: summary_names(6) = [character(7) :: 'first', 'last', 'minimum', 'maximum', 'mean', 'rms']
-   !> Instead of a quantity of the table: elongation and rate of the spring whose law it is
+   !> In place of a quantity of the table: elongation and rate of the spring itself, in its law
    integer, parameter, public :: own_elongation = -1, own_rate = -2
 
    !> Dimension of a number
    type :: dimension_type
       !> Exponents of length, time and mass, and of angles
       integer :: exponents(3) = 0, turns = 0
-      !> True if it may be any; true for a moment, which is no energy
+      !> True for an unknown dimension; true for a moment in distinction from an energy
       logical :: open = .false., moment = .false.
    end type dimension_type
 
-   !> A quantity that an expression asks for
+   !> A quantity in an expression
    type :: quantity_type
       !> Index into the table of quantities; 0: the time; or own_elongation, own_rate
       integer :: kind = 0
-      !> Index of what it is asked of: a point, body, joint, driver or named load
+      !> Index of its object: a point, body, joint, driver or named load
       integer :: of = 0
-      !> True if that is a named load
+      !> True if the object is a named load
       logical :: of_load = .false.
-      !> True if that is a coupler, of the joints
+      !> True if the object is a coupler, an entry of the joints
       logical :: of_coupler = .false.
       !> Dimension: exponents of length, time and mass; true for an angle or its rate
       integer :: dimension(3) = 0
       logical :: angular = .false.
    end type quantity_type
 
-   !> A body, with the first guess of its place and motion
+   !> A body, with its initial guess of position and velocity
    type :: body_type
       !> Name as the deck writes it
       character(:), allocatable :: name
       !> body_point, body_rigid or body_flexible
       integer :: kind = body_rigid
-      !> What the time loop needs
+      !> Mass, stiffness and inertia terms for the time loop
       type(reduced_type) :: reduced
-      !> Guess of the frame's origin [length], its angle [rad], and their rates
+      !> Guess of the frame's origin (2) [length], angle [rad], and their rates
       real(wp) :: position(2) = 0.0_wp, angle = 0.0_wp, velocity(2) = 0.0_wp, spin = 0.0_wp
-      !> Which of them the deck gives: X, Y, ANGLE, VX, VY, SPIN
+      !> Whether the deck gives X, Y, ANGLE, VX, VY, SPIN (6)
       logical :: given(6) = .false.
-      !> Largest distance between two of its points or nodes [length]
+      !> Largest distance between two points or nodes [length]
       real(wp) :: size = 0.0_wp
-      !> Largest entry of its coordinates' shapes [1/sqrt(mass)]
+      !> Largest displacement in the shapes of the coordinates [1/sqrt(mass)]
       real(wp) :: largest_shape = 0.0_wp
-      !> The beam, what was chosen of it, and its shapes at the nodes; of flexible bodies only
+      !> Beam of a flexible body: its data, its reduction options, and its mode shapes at the nodes
       type(beam_type) :: beam
       type(reduction_type) :: choice
       type(displacement_field_type) :: field
-      !> Functions of its basis that were left out because they depend on others; empty if none were
+      !> Text on dependent functions that were left out of the basis; empty if there were none
       character(:), allocatable :: note
-      !> Parts of the critical damping of its modes as it is held (n), allocated if it is damped by its modes; Rayleigh's factors of
-      !> mass and stiffness [1/time], [time]
+      !> Damping ratios of the body's modes under its supports (n), allocated if a ratio or the mass factor is not zero; Rayleigh
+      !> factors of mass [1/time] and of stiffness [time]
       real(wp), allocatable :: ratio(:)
       real(wp) :: rayleigh(2) = 0.0_wp
-      !> Indices of the points at a beam's two ends
+      !> Indices of the points at both ends of a beam
       integer :: start_point = 0, end_point = 0
-      !> True for a frame; its mesh, what was chosen of it, and its shapes at the nodes (3, nodes, n)
+      !> True for a frame; its mesh, its reduction options, and its shapes at the nodes (3, nodes, n)
       logical :: is_frame = .false.
       type(frame_type) :: mesh
-      !> Numbers of its members in the deck (members)
+      !> Numbers of the members in the deck (members)
       integer, allocatable :: member_numbers(:)
       type(frame_choice_type) :: frame_choice
       real(wp), allocatable :: shape(:, :, :)
-      !> Cross-section of each member, of a beam its only one: area [length^2], second moment of area [length^4], distances from the
-      !> axis of the extreme fibres to the left and to the right [length], zero if not known (4, members)
+      !> Cross-section of each member, for a beam of its only one: area [length^2], second moment of area [length^4], distances of
+      !> the extreme fibres to the left and right of the axis [length], 0 if unknown (4, members)
       real(wp), allocatable :: strength(:, :)
-      !> The same along an exact beam, and its second moment of area as the beam is curved; otherwise with unallocated values
+      !> The same along an exact beam, with the second moment of area of the curved beam; else its values are not allocated
       type(profile_type) :: fibres
-      !> Internal forces at the sections that are asked for: those of points, then, if an envelope is, those along the whole body
+      !> Coefficients of section forces: at points first, then, for an envelope, along the whole body
       type(recovery_type) :: recovery
       logical :: envelope = .false.
-      !> Number of the sections of points
+      !> Number of sections at points
       integer :: point_sections = 0
-      !> What a beam or frame lacks for want of shear: of its first frequency, or of its deflection at rest, relative; the first body of
-      !> a whole has it. Number of the member of a frame that has most of it
+      !> Relative error for want of shear of the first frequency, or of the static deflection; for a whole in its first body. Number
+      !> of the frame's member with the largest contribution
       real(wp) :: unsheared = 0.0_wp
       integer :: shortest = 0
-      !> Of a flexible beam the first one with the same reduction, maybe itself
+      !> Index of the first flexible beam with the same reduction, possibly this beam
       integer :: twin = 0
-      !> Of a piece of a beam in segments: which of the model's wholes it is a part of; else 0
+      !> Index of the whole of a piece; 0 for other bodies
       integer :: whole = 0
    end type body_type
 
-   !> A beam of the deck that is divided into pieces, bodies of their own that are welded together. Its name stands for the first
-   !> of them, whose frame is that of the whole beam if it is clamped at its start. Or a frame of exact beams: the section at the
-   !> start of its first member carries its axes.
+   !> A beam of the deck in pieces, which are bodies welded together. Its name refers to the first piece. If the start is clamped,
+   !> the frame of the first piece is that of the whole beam. Or a frame of exact beams, with its axes on the section at the start
+   !> of the first member.
    type :: whole_type
       character(:), allocatable :: name
       !> First and last piece
       integer :: first = 0, last = 0
-      !> Undeformed length; coordinate along the beam where its frame begins [length]
+      !> Undeformed length; coordinate of the frame's origin along the beam [length]
       real(wp) :: length = 0.0_wp, origin = 0.0_wp
-      !> Whether the frame of the whole beam is the section at its start; else it lies along the chord
+      !> True if the frame is the section at the start, false if it lies along the chord
       logical :: clamped = .false.
-      !> Welds between the pieces
+      !> Number of welds between the pieces
       integer :: inner = 0
-      !> Of a frame: numbers of its members in the deck, place of the start (2, members) [length] and direction [rad] of each in the
-      !> axes of the frame
+      !> Frame of exact beams: numbers of the members in the deck, position of the start (2, members) [length] and direction [rad]
+      !> of each member in the axes of the frame
       integer, allocatable :: member_numbers(:)
       real(wp), allocatable :: place(:, :), lean(:)
    end type whole_type
@@ -158,37 +158,37 @@ module limber_model_model
       character(:), allocatable :: name
       !> Index of the body, or `ground`
       integer :: body = ground
-      !> Undeformed place in the body frame (2) [length]; of a ground point its place
+      !> Undeformed position in the body frame (2), of a ground point in space [length]
       real(wp) :: p0(2) = 0.0_wp
-      !> Displacement (2,n) and rotation of the section (n) for each coordinate of the body
+      !> Displacement (2,n) and rotation of the section (n) for unit coordinates of the body
       real(wp), allocatable :: phi(:, :), psi(:)
-      !> True of a point or direction of an exact beam, whose section turns by psi.eta; what the stations of the beam give to the
-      !> place of the point (stations) [length]
+      !> True for a point or direction of an exact beam: its section turns by psi.eta. Weights of the beam's stations in the
+      !> position of the point (stations) [length]
       logical :: exact = .false.
       real(wp), allocatable :: reach(:)
-      !> True for a direction of the section, which does not move with the origin of the frame: p0 a unit vector, phi what psi
-      !> makes of it; the system makes these of points
+      !> True for a direction of the section: p0 is a unit vector, phi its change by psi, and the origin of the frame has no effect.
+      !> The system makes directions from points
       logical :: direction = .false.
-      !> Of a point of a beam or frame: its member, how many members meet there, and its coordinate along that one [length]
+      !> Point of a beam or frame: its member, number of members at the point, coordinate along this member [length]
       integer :: member = 0, meeting = 1
       real(wp) :: along = 0.0_wp
-      !> Of a point of a frame of exact beams: angle of its member in the frame, whose axes the axes of the point are parallel to [rad]
+      !> Point of a frame of exact beams: angle of its member in the frame [rad]; the axes of the point are parallel to the frame's
       real(wp) :: lean = 0.0_wp
-      !> Index among the sections of its body where internal forces are asked for; 0: none are
+      !> Index of its section among those of the body with section forces; 0 if none
       integer :: section = 0
    end type point_type
 
-   !> A load along a member whose point stands for it, for the internal forces that it makes
+   !> A distributed load that is represented by a force at a point; for the section forces under this load
    type :: distributed_load_type
-      !> Index of the point, and of its member
+      !> Index of the point, index of its member
       integer :: point = 0, member = 1
-      !> Where it begins and ends [length]
+      !> Start and end of the load along the body [length]
       real(wp) :: ends(2) = 0.0_wp
-      !> Of the coordinate s along the beam or member, where the body begins there [length], what is added [force/length]; and the
-      !> whole [force]
+      !> Load as a function of the coordinate s along the beam or member; s at the start of the body [length]; constant added to the
+      !> load [force/length]; resultant [force]
       type(expression_type) :: law
       real(wp) :: start = 0.0_wp, added = 0.0_wp, total = 1.0_wp
-      !> Number of Gauss's station between the ends whose part of the load it is, by Lagrange's polynomial; 0: all of it
+      !> Number of the Gauss point whose share of the load this is, by its Lagrange polynomial; 0 for the whole load
       integer :: station = 0
    end type distributed_load_type
 
@@ -206,22 +206,22 @@ module limber_model_model
       integer :: kind = joint_revolute
       !> Indices of the two points
       integer :: points(2) = 0
-      !> Direction of the line in the second body's section [rad]
+      !> Direction of the line in the section of the second body [rad]
       real(wp) :: angle = 0.0_wp
-      !> Angle of the first section from the second, of weld and translational joint [rad]; length of a rod; where the deck does
-      !> not say, that of the first guess
+      !> Angle of the first section relative to the second, for weld and translational joints [rad]; length of a rod [length];
+      !> values of the initial guess if the deck gives none
       real(wp) :: turn = 0.0_wp, length = 0.0_wp
       logical :: has_turn = .false., has_length = .false.
       !> Radii of gears, wheels, or of a pinion [length]
       real(wp) :: radius(2) = 0.0_wp
-      !> True if both turn in the same direction: gears inside one another, wheels of an open belt
+      !> True if both turn in the same direction: internal gears, open belt
       logical :: same_direction = .false.
-      !> The curve that a point stays on
+      !> Curve of a point-on-curve joint
       type(curve_type) :: curve
-      !> Whether it holds the beam on either side across its axis at the start: what hangs on the beam alone, or slides across it,
-      !> does not; and whether it keeps it from turning though it does not hold it
+      !> Whether the joint supports the beam on either side across its axis at the start: false for a body that only hangs on the
+      !> beam, or slides across it. Whether it prevents rotation without such a support
       logical :: bears(2) = .true., guides(2) = .false.
-      !> Terms of a coupler, and what their sum is in time; without a law, that of the first guess
+      !> Terms of a coupler, and their sum as a function of time; without a law, the sum of the initial guess
       type(term_type), allocatable :: terms(:)
       logical :: has_law = .false.
       type(expression_type) :: law
@@ -232,31 +232,31 @@ module limber_model_model
       character(:), allocatable :: name
       !> driver_angle, ...
       integer :: kind = driver_angle
-      !> Index of the body, of the joint, of the points: what the kind needs
+      !> Indices of body, joint and points, as the kind needs them
       integer :: body = 0, joint = 0, points(2) = 0
-      !> What is prescribed as a function of t [rad or length], or one of its derivatives
+      !> Prescribed coordinate as a function of t [rad or length], or one of its derivatives
       type(expression_type) :: law
-      !> What the law is of: 0 the coordinate, 1 its velocity, 2 its acceleration
+      !> Derivative given by the law: 0 coordinate, 1 velocity, 2 acceleration
       integer :: level = 0
-      !> Of levels 1 and 2: coordinate and velocity at the start
+      !> Levels 1 and 2: initial coordinate and velocity
       real(wp) :: initial(2) = 0.0_wp
-      !> Whether the deck says the first; else it is that of the first guess
+      !> Whether the deck gives the initial coordinate; else that of the initial guess
       logical :: has_initial = .false.
-      !> Integrals of the law
+      !> Integrals of the law, for levels 1 and 2
       type(integral_type) :: integral
    end type driver_type
 
-   !> A part of a load: a force or torque along one scalar of the motion s, -k (s - origin) - c s' and a law times a factor
+   !> A part of a load: force or torque along a scalar function s of the motion, -k (s - origin) - c s' plus the law times a factor
    type :: load_part_type
-      !> What s is: along_axis, along_follower, along_distance, along_slide or along_angle
+      !> Kind of s: along_axis, along_follower, along_distance, along_slide or along_angle
       integer :: along = 0
       !> Indices of one or two points: P1 and P2; the second may be 0
       integer :: points(2) = 0
-      !> Angle of the axis; of the direction in the section at P1 (follower) or P2 (slide) [rad]
+      !> Angle of the axis [rad], of a follower in the section at P1, of a slide in the section at P2
       real(wp) :: angle = 0.0_wp
-      !> Free length or angle, k, c, and what the law is multiplied by
+      !> Free length or angle, k, c, and the factor of the law
       real(wp) :: origin = 0.0_wp, stiffness = 0.0_wp, damping = 0.0_wp, factor = 1.0_wp
-      !> Whether there is a law, and the law with what its slots stand for
+      !> Whether there is a law; the law, and the quantities of its variables (slots)
       logical :: driven = .false.
       type(expression_type) :: law
       type(quantity_type), allocatable :: quantities(:)
@@ -269,7 +269,7 @@ module limber_model_model
       character(:), allocatable :: name
       !> load_force, load_torque, load_spring, load_rotational, load_bushing, load_distributed or load_friction
       integer :: kind = 0
-      !> Its parts: first and last index in the list of the model
+      !> Index of its first and last part in the list of the model
       integer :: first = 0, last = 0
    end type named_load_type
 
@@ -279,24 +279,24 @@ module limber_model_model
       !> Text of its expression, and its units
       character(:), allocatable :: long_name, units
       type(dimension_type) :: dimension
-      !> What its displacements and angles are measured from; empty if nothing is to be said
+      !> Text on the reference of its displacements and angles; empty if it needs none
       character(:), allocatable :: reference
       type(expression_type) :: expression
-      !> What each slot of the expression stands for
+      !> Quantity of each variable (slots)
       type(quantity_type), allocatable :: quantities(:)
    end type channel_type
 
-   !> A single number of a run: an expression of what channels were over its samples
+   !> A scalar of a run: an expression of summaries of channels over all samples
    type :: scalar_type
       character(:), allocatable :: name
       !> Text of its expression, and its units
       character(:), allocatable :: long_name, units
       type(expression_type) :: expression
-      !> What each slot of the expression stands for: one of the kinds of summaries, and the index of the channel
+      !> Of each variable: kind of summary, and index of the channel (slots)
       integer, allocatable :: summaries(:), channels(:)
    end type scalar_type
 
-   !> What an analysis in time is asked for, a dynamic one above all
+   !> Options of an analysis in time, mainly of a dynamic one
    type :: dynamics_type
       !> True if the deck asks for an analysis
       logical :: wanted = .false.
@@ -306,37 +306,37 @@ module limber_model_model
       integer :: outputs = 100
       !> Local error allowed in a step, relative to each scale
       real(wp) :: tolerance = 1.0e-6_wp
-      !> Name of the integrator; and, where the deck leaves it to limber, why it is that one
+      !> Name of the integrator; reason of its choice if limber chooses it
       character(:), allocatable :: integrator, reason
       !> Spectral radius at infinity of ALPHA
       real(wp) :: spectral_radius = 0.8_wp
-      !> First and largest step; zero: chosen, unbounded
+      !> First and largest step; 0: chosen automatically, no limit
       real(wp) :: initial_step = 0.0_wp, maximum_step = 0.0_wp
-      !> Length of every step; zero: chosen by the error
+      !> Length of every step; 0: chosen by error control
       real(wp) :: fixed_step = 0.0_wp
       !> Largest number of steps
       integer :: maximum_steps = 100000000
    end type dynamics_type
 
-   !> A coordinate of a beam that is given at the start
+   !> Initial value of a beam's coordinate
    type :: deflection_type
-      !> Index of the body, and of its coordinate
+      !> Index of the body, index of the coordinate
       integer :: body = 0, coordinate = 0
       !> Its value [length sqrt(mass)] and rate
       real(wp) :: value = 0.0_wp, rate = 0.0_wp
    end type deflection_type
 
-   !> What the assembly is asked for
+   !> Options of the assembly
    type :: assembly_choice_type
-      !> Rotation from the guess to the first position above which there is a warning [rad]
+      !> Largest rotation between guess and first position without a warning [rad]
       real(wp) :: largest_turn = 0.5_wp
-      !> Whether deflections start in equilibrium with loads and inertia
+      !> Whether initial deflections are in equilibrium with loads and inertia
       logical :: static_deflections = .false.
-      !> Whether they start with the rates by which that goes on with the motion
+      !> Whether their initial rates follow this equilibrium along the motion
       logical :: following = .false.
-      !> Whether what hangs, or is held by what is known, is solved without unknowns and multipliers
+      !> Whether articulated trees and known bodies are solved without unknowns and multipliers
       logical :: elimination = .true.
-      !> Deflections that are given; all others start at zero
+      !> Given initial deflections; all others are zero
       type(deflection_type), allocatable :: deflections(:)
    end type assembly_choice_type
    !> An analysis: a step of the deck, which starts from the end of the one before
@@ -346,36 +346,36 @@ module limber_model_model
       !> Name in the results, and index of the deck's block
       character(:), allocatable :: name
       integer :: block = 0
-      !> First and last time, samples; of a dynamic analysis all that it is asked for
+      !> First and last time, samples; all options of a dynamic analysis
       type(dynamics_type) :: dynamics
-      !> Dynamics: the velocities at the start
+      !> Dynamics: initial velocities
       integer :: velocities = velocities_kept
-      !> Kinematics and inverse dynamics: whether deflections are in equilibrium at each sample, or held
+      !> Kinematics and inverse dynamics: whether deflections are in equilibrium at each sample, or fixed
       logical :: static_deflections = .false.
-      !> Statics: whether constant loads grow from zero, and what is done with an unstable equilibrium
+      !> Statics: whether constant loads grow from zero, and the action at an unstable equilibrium
       logical :: ramp = .false.
       integer :: instability = leave_unstable
-      !> Statics: speed of a steady rotation of everything at the end [rad/time], and its centre [length]
+      !> Statics: angular velocity of a steady rotation of the whole scene at the end [rad/time], and its centre (2) [length]
       real(wp) :: rotation = 0.0_wp, centre(2) = 0.0_wp
-      !> Modes: how many, and whether they are damped
+      !> Modes: their number, and whether with damping
       integer :: modes = 10
       logical :: damped = .false.
    end type analysis_step_type
 
-   !> What is to be known of the error of the results
+   !> Options of the error estimate and of the search for an accuracy
    type :: accuracy_type
-      !> True if the error of each channel is to be estimated
+      !> True for an error estimate of each channel
       logical :: estimate = .false.
-      !> Error asked for, relative to the largest value of each channel; zero: none
+      !> Target error relative to the largest value of each channel; 0: none
       real(wp) :: target = 0.0_wp
    end type accuracy_type
 
-   !> Names of the units that the deck's numbers are in; they label results only
+   !> Names of the units of the deck's numbers; only labels of results
    type :: units_type
       character(:), allocatable :: length, time, mass
    end type units_type
 
-   !> Numbers of what has been added to the lists of a model, which may be longer while it is built
+   !> Numbers of items in the lists of a model; while it is built, the lists may be longer
    type :: counts_type
       integer :: bodies = 0, points = 0, joints = 0, channels = 0
    end type counts_type
@@ -395,37 +395,37 @@ module limber_model_model
       type(point_type), allocatable :: points(:)
       type(joint_type), allocatable :: joints(:)
       type(driver_type), allocatable :: drivers(:)
-      !> All loads by their names, and their parts in the same order
+      !> All named loads, and their parts in the same order
       type(named_load_type), allocatable :: loads(:)
       type(load_part_type), allocatable :: load_parts(:)
-      !> While the model is built
+      !> Distributed loads, used while the model is built
       type(distributed_load_type), allocatable :: spreads(:)
       type(channel_type), allocatable :: channels(:)
       type(scalar_type), allocatable :: scalars(:)
-      !> True if the coordinates of all bodies are to be sampled, to be drawn
+      !> True for motion records: samples of the coordinates of all bodies, for drawings
       logical :: motion = .false.
       type(assembly_choice_type) :: assembly
-      !> The analyses in order, none if not allocated; and the one that runs
+      !> Analyses in order, not allocated if there are none; options of the active analysis
       type(analysis_step_type), allocatable :: steps(:)
       type(dynamics_type) :: dynamics
       type(accuracy_type) :: accuracy
-      !> Characteristic length: the largest size of a body or distance between guessed places [length]
+      !> Characteristic length: the largest size of a body, else the extent of the initial positions [length]
       real(wp) :: length = 0.0_wp
-      !> Of use while the model is built: lengths of the lists, and where in them a name stands: 'body rod', 'point rod.end', ...
+      !> While the model is built: numbers of items, and indices by name: 'body rod', 'point rod.end', ...
       type(counts_type) :: counts
       type(name_index_type) :: names
    end type model_type
 
 contains
 
-   !> Whether the law of a part depends on nothing but the time. True without a law.
+   !> Whether the law of a part depends on time alone. True without a law.
    pure logical function is_of_time(self)
       class(load_part_type), intent(in) :: self
       is_of_time = .not. self%driven
       if (self%driven) is_of_time = all(self%quantities%kind == 0)
    end function is_of_time
 
-   !> Whether a part is a force that never changes, and may grow from zero in *STATICS.
+   !> Whether a part is a constant force, which may grow from zero in *STATICS.
    pure logical function is_constant(self)
       class(load_part_type), intent(in) :: self
       is_constant = self%driven .and. .not. (self%stiffness > 0.0_wp .or. self%damping > 0.0_wp)

@@ -1,5 +1,5 @@
-!> Bodies of given motion: *MOTION. A driver for either coordinate of the origin of their frame, and one for its angle, which the
-!> system solves without unknowns. Floor: model. Source: doc/theory, eqs. (4.9)-(4.12).
+!> Prescribed motion of bodies: *MOTION. One driver for each coordinate of the frame's origin and one for its angle; the system
+!> solves them without unknowns. Floor: model. Source: doc/theory, eqs. (4.9)-(4.12).
 module limber_model_motions
    use limber_deck_content, only: block_type
    use limber_deck_diagnostics, only: diagnostics_type
@@ -13,7 +13,7 @@ module limber_model_motions
 
 contains
 
-   !> The drivers of a *MOTION; bodies are there.
+   !> Adds the drivers of a *MOTION. The bodies must be in the model.
    subroutine add_motion(block, model, diagnostics)
       type(block_type), intent(in) :: block
       type(model_type), intent(inout) :: model
@@ -41,6 +41,7 @@ contains
 
    contains
 
+      !> Appends one driver.
       subroutine add(suffix, kind, law)
          character(*), intent(in) :: suffix
          integer, intent(in) :: kind

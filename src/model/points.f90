@@ -1,4 +1,4 @@
-!> Named points and how references to them are found. Floor: model.
+!> Named points, and the search for objects by name. Floor: model.
 module limber_model_points
    use limber_base_kinds, only: wp
    use limber_base_text, only: nearest_name, lowercase
@@ -12,18 +12,18 @@ module limber_model_points
 
 contains
 
-   !> Appends a point; its index is then the number of points in `counts`.
+   !> Appends a point. Its index is the new number of points, `model%counts%points`.
    subroutine add_point(model, name, body, p0, phi, psi, reach)
       type(model_type), intent(inout) :: model
       !> Name of the body and of the point: 'rod.middle'
       character(*), intent(in) :: name
       !> Index of the body, or `ground`
       integer, intent(in) :: body
-      !> Undeformed place in the body frame (2) [length]
+      !> Undeformed position in the body frame (2) [length]
       real(wp), intent(in) :: p0(2)
       !> Displacement (2,n) and rotation (n) for each coordinate of a flexible body
       real(wp), intent(in), optional :: phi(:, :), psi(:)
-      !> Of a point of an exact beam: what its stations give to the place (stations)
+      !> Point of an exact beam: weights of the stations in the position of the point (stations)
       real(wp), intent(in), optional :: reach(:)
       type(point_type) :: point
       point%name = name
@@ -43,35 +43,35 @@ contains
       call enter_name(model, 'point', name, model%counts%points)
    end subroutine add_point
 
-   !> Makes an object known by its name; of equal names the first one counts.
+   !> Enters an object under its name. Of several equal names the first one counts.
    subroutine enter_name(model, kind, name, index)
       type(model_type), intent(inout) :: model
-      !> 'point', 'body', 'joint', ...; its name, and its index in the list of its kind
+      !> Kind of object: 'point', 'body', 'joint', ...; its name, and its index in the list of this kind
       character(*), intent(in) :: kind, name
       integer, intent(in) :: index
       if (model%names%find(kind//' '//name) == 0) call model%names%add(kind//' '//name, index)
    end subroutine enter_name
 
-   !> Index of an object of a kind; 0 if there is none of this name.
+   !> Index of an object by kind and name; 0 if there is none.
    pure integer function find_named(model, kind, name) result(found)
       type(model_type), intent(in) :: model
       character(*), intent(in) :: kind, name
       found = model%names%find(kind//' '//name)
    end function find_named
 
-   !> Index of a body; 0 if there is none of this name.
+   !> Index of a body by name; 0 if there is none.
    pure integer function find_body(model, name) result(found)
       type(model_type), intent(in) :: model
       character(*), intent(in) :: name
       found = find_named(model, 'body', name)
    end function find_body
 
-   !> Index of the point that a deck names `object.point`, or `object` for the origin of its frame; 0 with a complaint if
-   !> there is none.
+   !> Index of a point by its name in the deck: `object.point`, or `object` for the origin of its frame. Adds an error and returns 0
+   !> if there is none.
    integer function find_point(model, name, origin, diagnostics) result(found)
       type(model_type), intent(in) :: model
       character(*), intent(in) :: name
-      !> Where it is named
+      !> Place of the name in the deck
       type(origin_type), intent(in) :: origin
       type(diagnostics_type), intent(inout) :: diagnostics
       character(:), allocatable :: whole
@@ -81,10 +81,10 @@ contains
       if (found == 0) call complain(model, lowercase(name), whole, origin, diagnostics)
    end function find_point
 
-   !> Says that there is no such point, and what there is.
+   !> Reports that there is no such point, with the names of existing points.
    subroutine complain(model, name, whole, origin, diagnostics)
       type(model_type), intent(in) :: model
-      !> As it is written, and with its point
+      !> Name as written, and with '.origin' where only an object is written
       character(*), intent(in) :: name, whole
       type(origin_type), intent(in) :: origin
       type(diagnostics_type), intent(inout) :: diagnostics
@@ -92,11 +92,11 @@ contains
       character(64), allocatable :: all(:)
       integer :: i, near
       hint = 'no body or ground point of this name is defined'
-      ! Points of a body that is missing are missing once
+      ! All points of a missing body are reported once
       object = whole
       if (diagnostics%is_told(whole(:index(whole, '.') - 1)) .or. find_body(model, whole(:index(whole, '.') - 1)) == 0 .and. &
          & index(whole, 'ground.') /= 1) object = whole(:index(whole, '.') - 1)
-      ! What is not shown need not be searched for
+      ! Beyond the number of errors shown no hint is needed
       if (diagnostics%count >= max_shown) then
          call diagnostics%add(origin, "there is no point '"//name//"'", hint, object=object)
          return

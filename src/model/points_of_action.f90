@@ -8,23 +8,24 @@ module limber_model_points_of_action
    public :: acting_type, acting_points, find_shared, find_turning, body_of, point_of, has_pair, line_angle, &
       & first_angle
 
-   !> Sine of the angle between line and axis that is none; a right angle
+   !> Smaller sines of the angle between line and axis count as zero; a right angle
    real(wp), parameter :: nearly = 0.05_wp, right_angle = acos(0.0_wp)
 
-   !> A point that something acts on
+   !> A point of a body under joints, drivers or loads
    type :: acting_type
-      !> Its name without that of the body
+      !> Name of the point without the name of the body
       character(64) :: name = ''
-      !> Whether forces and couples act there, and whether joints hold the point, and the section at it
+      !> Whether forces and couples act there; whether joints or drivers fix the point, and the rotation of its section
       logical :: force = .false., couple = .false., held = .false., clamped = .false.
-      !> Whether joints hold this point within the body against another one of it, or a driver their distance: then the forces there
-      !> may depend on how the body stretches between them; whether both are held by one body, so that they do
+      !> True if joints or a driver fix the distance of this inner point from another point of the body: their forces there may
+      !> depend on the axial strain between both points. `firm`: both points are joined to the same body, or the ground, so that
+      !> they do
       logical :: shared = .false., firm = .false.
    end type acting_type
 
 contains
 
-   !> The points of a body where the deck lets something act, each once; what moves or turns its frame acts at the origin.
+   !> Points of a body under joints, drivers and loads, each once. Drivers of the frame act at the origin.
    subroutine acting_points(deck, body, points)
       type(deck_type), intent(in) :: deck
       !> Name of the body
@@ -52,7 +53,7 @@ contains
       end do
    end subroutine acting_points
 
-   !> The block that moves, turns or couples the frame of a body, the first one; 0: none.
+   !> Index of the first block that drives, loads or couples the frame of a body; 0 if there is none.
    pure integer function find_turning(deck, body) result(found)
       type(deck_type), intent(in) :: deck
       !> Name of the body
@@ -75,18 +76,18 @@ contains
       found = 0
    end function find_turning
 
-   !> Which points within a body are held against another point of it, by joints and bodies that close a loop, by what moves them
-   !> against the ground, or by a driver of their distance.
+   !> Finds inner points with a fixed distance from another point of the body: by joints and bodies in a loop, by joints and drivers
+   !> to the ground, or by a driver of their distance.
    subroutine find_shared(deck, body, inner, points)
       type(deck_type), intent(in) :: deck
       character(*), intent(in) :: body
       !> Whether a point lies within the body, not at its ends (points)
       logical, intent(in) :: inner(:)
       type(acting_type), intent(inout) :: points(:)
-      !> The points that are held, and the nodes of the bodies at the other side
+      !> Fixed points, and the node of the body at the other side of each
       character(64), allocatable :: own(:)
       integer, allocatable :: partner(:), first(:)
-      !> Of each block, and of the ground (0), the one that stands for all that is joined
+      !> Union-find: representative of each block, and of the ground (0), among all bodies that are joined
       integer :: node(0:size(deck%blocks))
       character(64) :: names(2)
       integer :: i, k
@@ -135,13 +136,13 @@ contains
 
    contains
 
-      !> The block of the body that a point is one of; 0 for the ground.
+      !> Block of the body of a point; 0 for the ground.
       integer function block_of(name)
          character(*), intent(in) :: name
          block_of = deck%find_named('RIGID BODY|BEAM|FRAME|POINT MASS', trim(body_of(name)))
       end function block_of
 
-      !> The node that stands for all that one is joined to.
+      !> Representative of a node.
       integer function last_of(from)
          integer, intent(in) :: from
          last_of = from
@@ -151,6 +152,7 @@ contains
          end do
       end function last_of
 
+      !> Joins the sets of two nodes.
       subroutine join(first, second)
          integer, intent(in) :: first, second
          node(last_of(first)) = last_of(second)
@@ -158,11 +160,10 @@ contains
 
    end subroutine find_shared
 
-   !> Whether a joint may hold a point of a body along its x axis, as bodies are placed at first: no wheel does, and no line along
-   !> that axis.
+   !> Whether a joint may fix a point along the x axis of a body in its initial position. Wheels do not, nor a line along this axis.
    logical function holds_along(deck, block, body) result(holds)
       type(deck_type), intent(in) :: deck
-      !> Of the joint
+      !> Block of the joint
       type(block_type), intent(in) :: block
       character(*), intent(in) :: body
       holds = .false.
@@ -176,25 +177,25 @@ contains
       end select
    end function holds_along
 
-   !> Whether a driver of a coordinate may hold a point of a body along its x axis, as the body is placed at first.
+   !> Whether a driver of x or y may fix a point along the x axis of a body in its initial position.
    logical function drives_along(deck, block, body)
       type(deck_type), intent(in) :: deck
-      !> Of the driver
+      !> Block of the driver
       type(block_type), intent(in) :: block
       character(*), intent(in) :: body
       drives_along = abs(sin(first_angle(deck, body) + merge(right_angle, 0.0_wp, block%word('TYPE') == 'X'))) > nearly
    end function drives_along
 
-   !> Angle of the line of a joint from the x axis of a body, as bodies are placed at first.
+   !> Initial angle of the line of a joint from the x axis of a body [rad].
    real(wp) function line_angle(deck, block, body) result(angle)
       type(deck_type), intent(in) :: deck
-      !> Of the joint
+      !> Block of the joint
       type(block_type), intent(in) :: block
       character(*), intent(in) :: body
       angle = block%real('ANGLE') + first_angle(deck, body_of(block%lines(1)%text(2))) - first_angle(deck, body)
    end function line_angle
 
-   !> Angle at which the deck places a body; 0 for the ground.
+   !> Initial angle of a body in the deck [rad]; 0 for the ground.
    real(wp) function first_angle(deck, body) result(angle)
       type(deck_type), intent(in) :: deck
       character(*), intent(in) :: body
@@ -204,7 +205,7 @@ contains
       if (at > 0) angle = deck%blocks(at)%real('ANGLE')
    end function first_angle
 
-   !> The body of a point `body.point`, or of an origin, which is its name alone.
+   !> Name of the body of a point `body.point`. A name without a point is that of the body.
    pure function body_of(text) result(name)
       character(*), intent(in) :: text
       character(64) :: name
@@ -212,7 +213,7 @@ contains
       if (index(text, '.') > 0) name = text(:index(text, '.') - 1)
    end function body_of
 
-   !> The name of a point without that of its body.
+   !> Name of a point without its body; 'origin' if only the body is named.
    pure function point_of(text) result(name)
       character(*), intent(in) :: text
       character(64) :: name
@@ -220,6 +221,7 @@ contains
       if (index(text, '.') > 0) name = text(index(text, '.') + 1:)
    end function point_of
 
+   !> Adds the points of a joint.
    subroutine of_joint(block, body, points)
       type(block_type), intent(in) :: block
       character(*), intent(in) :: body
@@ -233,11 +235,12 @@ contains
          clamped = kind%keeps_angle
       end associate
       call enter(block%lines(1)%text(1), body, .true., couple(1), points, held, clamped)
-      ! What slides along a beam acts on all of it
+      ! The force of a sliding point acts anywhere along the beam
       if (place_of(block) == place_on_beam) return
       call enter(block%lines(1)%text(2), body, .true., couple(2), points, held, clamped)
    end subroutine of_joint
 
+   !> Adds the points of a spring or bushing.
    subroutine of_spring(block, body, points)
       type(block_type), intent(in) :: block
       character(*), intent(in) :: body
@@ -257,6 +260,7 @@ contains
       end do
    end subroutine of_spring
 
+   !> Adds the points of a driver.
    subroutine of_driver(deck, block, body, points)
       type(deck_type), intent(in) :: deck
       type(block_type), intent(in) :: block
@@ -268,7 +272,7 @@ contains
       if (block%has('BODY')) call enter(block%name('BODY'), body, .false., .true., points, .false., .true.)
    end subroutine of_driver
 
-   !> Couplers of the coordinates of joints, and of angles of bodies.
+   !> Adds the points of a coupler: those of its joints, and the origins of bodies whose angles it couples.
    subroutine of_coupler(deck, block, body, points)
       type(deck_type), intent(in) :: deck
       type(block_type), intent(in) :: block
@@ -285,7 +289,7 @@ contains
       end do
    end subroutine of_coupler
 
-   !> What acts along the freedom of a joint: couples of a revolute one, else forces.
+   !> Adds the points of a joint under a driver, friction or a coupler of its coordinate: couples for a revolute joint, else forces.
    subroutine along_joint(deck, name, body, points)
       type(deck_type), intent(in) :: deck
       character(*), intent(in) :: name, body
@@ -297,34 +301,34 @@ contains
       if (.not. has_pair(deck%blocks(joint))) return
       associate (block => deck%blocks(joint))
          turning = block%word('TYPE') == 'REVOLUTE'
-         ! What slides along a beam acts on all of it
+         ! The force of a sliding point acts anywhere along the beam
          do k = 1, merge(1, 2, place_of(block) == place_on_beam)
             call enter(block%lines(1)%text(k), body, .not. turning, turning, points)
          end do
       end associate
    end subroutine along_joint
 
-   !> What a joint demands of the place of its first point.
+   !> Position constraint of a joint: `place_...`.
    pure integer function place_of(block)
-      !> Of the joint
+      !> Block of the joint
       type(block_type), intent(in) :: block
       place_of = joint_kinds(joint_kind(block%word('TYPE')))%place
    end function place_of
 
-   !> Whether a block has a line with two points.
+   !> Whether a block has exactly one line, with two points.
    pure logical function has_pair(block)
       type(block_type), intent(in) :: block
       has_pair = size(block%lines) == 1
       if (has_pair) has_pair = block%lines(1)%count() >= 2
    end function has_pair
 
-   !> Notes a point `body.point`, or the origin of a body by its name alone, if it is one of this body; of a member `frame/number` those
-   !> of its frame too, under the names that the member has for them.
+   !> Adds a point `body.point`, or the origin for a name without a point, if it belongs to this body. For a member `frame/number`
+   !> also points of its frame, with '@' before their names.
    subroutine enter(text, body, force, couple, points, held, clamped)
       character(*), intent(in) :: text, body
       logical, intent(in) :: force, couple
       type(acting_type), allocatable, intent(inout) :: points(:)
-      !> Whether it holds the point, and the section there; false if absent
+      !> Whether the point and its section are fixed; default false
       logical, intent(in), optional :: held, clamped
       type(acting_type) :: new
       integer :: dot, i

@@ -1,16 +1,16 @@
-!> Table of the quantities of *OUTPUT and of laws. It drives the model builder, `limber help OUTPUT` and the manual. Floor: model.
+!> Table of the quantities of *OUTPUT and of laws. Source of the model builder, `limber help OUTPUT` and the manual. Floor: model.
 module limber_model_quantities
    use limber_base_text, only: newline
    implicit none
    private
    public :: quantity_spec_type, quantities, quantity_help, quantity_manual, is_internal_force, partners_of
 
-   !> What a quantity is asked of
+   !> Kinds of objects of a quantity
    integer, parameter, public :: of_point = 1, of_body = 2, of_beam_point = 3, of_beam = 4, of_joint = 5, of_driver = 6, &
       & of_system = 7, of_spring = 8, of_translational = 9, of_turner = 10, of_pusher = 11, of_powered = 12, &
       & of_flexible_point = 13, of_section = 14, of_coupler = 15
 
-   !> The quantities
+   !> Index of each quantity in the table
    integer, parameter, public :: quantity_x = 1, quantity_y = 2, quantity_vx = 3, quantity_vy = 4, quantity_ax = 5, &
       & quantity_ay = 6, quantity_angle = 7, quantity_spin = 8, quantity_deflection = 9, quantity_length = 10, &
       & quantity_force_x = 11, quantity_force_y = 12, quantity_torque = 13, quantity_kinetic = 14, &
@@ -23,17 +23,17 @@ module limber_model_quantities
       & quantity_stress_bottom = 36, quantity_momentum_x = 37, quantity_momentum_y = 38, quantity_angular_momentum = 39, &
       & quantity_coupling = 40
 
-   !> One row
+   !> One row of the table
    type :: quantity_spec_type
       !> Name in the deck
       character(16) :: name
-      !> What it is asked of
+      !> Kind of its object, `of_...`
       integer :: of
       !> Dimension: exponents of length, time and mass
       integer :: dimension(3)
       !> True for an angle, whose unit is written rad
       logical :: angular
-      !> One line
+      !> Description in one line
       character(100) :: meaning
    end type quantity_spec_type
 
@@ -107,7 +107,7 @@ module limber_model_quantities
       & quantity_spec_type('coupling', of_coupler, [2, -2, 1], .false., &
       &    'what a coupler exerts: times the coefficient of a term it is the torque or force on that coordinate')]
 
-   !> Flexible bodies, and where their frames lie
+   !> Flexible bodies, and their frames
    character(100), parameter :: frames(2, 7) = reshape([character(100) :: &
       & '`*BEAM`, exact (the default)', 'the section at `ORIGIN`, at the start if not given: there `u1`, `u2`, `rotation` are 0', &
       & '`*BEAM` in `SEGMENTS`', 'the section at its start if that is clamped, else the line through its ends', &
@@ -117,21 +117,21 @@ module limber_model_quantities
       & '`*FRAME`', 'where `*BOUNDARY` holds its nodes; without it the mean motion of all of the frame', &
       & '`*FRAME, LARGE=YES`', 'the section at the start of member 1'], [2, 7])
 
-   !> Axes of points
+   !> Text on the axes of points
    character(*), parameter :: of_points = 'Sections of points, from which angles of joints and TURN= count, have the axes of'// &
       & ' that frame in the'//newline//'undeformed body: in a beam with CURVATURE they are not along its tangent, but at ORIGIN.'
 
 contains
 
-   !> Whether a quantity, by its index, is one of the internal forces of a beam.
+   !> Whether a quantity is a section force or stress of a beam. `kind`: index in the table.
    elemental logical function is_internal_force(kind)
       integer, intent(in) :: kind
       is_internal_force = .false.
       if (kind > 0) is_internal_force = quantities(kind)%of == of_section
    end function is_internal_force
 
-   !> Quantities of the same joint, section or system that one is computed together with: the other component of a force, the forces
-   !> of a moment. One that is zero by nature has round-off of theirs.
+   !> Quantities that are computed together with this one: the other component of a force, the forces of a moment. They give the
+   !> level of round-off of a quantity that is zero.
    pure function partners_of(kind) result(kinds)
       integer, intent(in) :: kind
       integer, allocatable :: kinds(:)
@@ -173,7 +173,7 @@ contains
 
    contains
 
-      !> Without the marks of Markdown.
+      !> Text without the marks of Markdown.
       pure function plain(marked)
          character(*), intent(in) :: marked
          character(len(marked)) :: plain
@@ -189,7 +189,7 @@ contains
 
    end function quantity_help
 
-   !> The same as a Markdown table.
+   !> The table and the frames in Markdown, for the manual.
    function quantity_manual() result(text)
       character(:), allocatable :: text
       integer :: i
@@ -208,6 +208,7 @@ contains
       text = text//newline//of_points//' The results say it in the attribute'//newline//'`measured_from` of a channel.'//newline
    end function quantity_manual
 
+   !> Kind of object as text.
    pure function argument(of) result(name)
       integer, intent(in) :: of
       character(24) :: name

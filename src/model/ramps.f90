@@ -1,6 +1,5 @@
-!> Growth of loads in the first *STATICS. That is one loading while nothing else changes, or loads grow along; where a driver moves
-!> the scene meanwhile, or a load follows a law of its own, samples before the end are of a scene that hardly anyone means: told
-!> unless the deck gives RAMP. Floor: model.
+!> Warning of loads that grow in the first *STATICS while a driver or another load changes by its own law. Then all samples before
+!> the end belong to a scene with partial loads, which is rarely meant. A RAMP in the deck suppresses the warning. Floor: model.
 module limber_model_ramps
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
@@ -14,16 +13,16 @@ module limber_model_ramps
    private
    public :: warn_of_ramp
 
-   !> Instants at which laws are looked at, and change relative to the largest value that is none
+   !> Number of instants at which laws are sampled; largest relative change that counts as no change
    integer, parameter :: looks = 16
    real(wp), parameter :: none = 1.0e-9_wp
 
 contains
 
-   !> Warns where constant loads grow while something moves, and the deck does not say that they shall.
+   !> Warns if constant loads grow while something moves, and the deck gives no RAMP.
    subroutine warn_of_ramp(deck, model, diagnostics)
       type(deck_type), intent(in) :: deck
-      !> Complete
+      !> Complete model
       type(model_type), intent(in) :: model
       type(diagnostics_type), intent(inout) :: diagnostics
       character(:), allocatable :: growing, moving
@@ -42,7 +41,7 @@ contains
       end associate
    end subroutine warn_of_ramp
 
-   !> The weight or the first load that is constant, as the start of a sentence; empty: there is none.
+   !> Text on the weight or the first constant load, as the start of a sentence; empty if there is none.
    function what_grows(model) result(text)
       type(model_type), intent(in) :: model
       character(:), allocatable :: text
@@ -67,8 +66,8 @@ contains
       end do
    end function what_grows
 
-   !> What changes between two times, other than in proportion to the time that has passed, as loads that grow along do; empty:
-   !> nothing does.
+   !> Text on the first driver, coupler or load that changes between two times; empty if there is none. A load that changes in
+   !> proportion to the time since `start` does not count, because growing loads do the same.
    function what_moves(model, start, end) result(text)
       type(model_type), intent(in) :: model
       real(wp), intent(in) :: start, end
@@ -104,7 +103,7 @@ contains
       end do
    end function what_moves
 
-   !> Whether a law of the time alone changes between two times; of a load: other than in proportion to the time that has passed.
+   !> Whether a law of time alone changes between two times. A load that changes in proportion to the elapsed time does not count.
    pure logical function law_moves(law, start, end, of_load) result(moves)
       type(expression_type), intent(in) :: law
       real(wp), intent(in) :: start, end

@@ -1,5 +1,5 @@
-!> References of the channels of flexible bodies. The text of an attribute of their channels, and a word where they are zero by
-!> that. Floor: model.
+!> Reference of the quantities of flexible bodies. Text of the attribute `measured_from` of their channels, and the warning of
+!> quantities that are always zero. Floor: model.
 module limber_model_references
    use limber_deck_content, only: field_type
    use limber_deck_diagnostics, only: diagnostics_type
@@ -12,7 +12,7 @@ module limber_model_references
 
 contains
 
-   !> What the quantities of a channel are measured from, one after another; empty if of none there is anything to be said.
+   !> Sets the references of the quantities of a channel, with semicolons between them; empty if no quantity has one.
    subroutine find_reference(model, channel)
       type(model_type), intent(in) :: model
       type(channel_type), intent(inout) :: channel
@@ -27,7 +27,7 @@ contains
       end do
    end subroutine find_reference
 
-   !> Of one quantity.
+   !> Text of the reference of one quantity; empty if it has none.
    subroutine describe(model, quantity, text)
       type(model_type), intent(in) :: model
       type(quantity_type), intent(in) :: quantity
@@ -64,7 +64,7 @@ contains
       end associate
    end subroutine describe
 
-   !> The flexible body of a quantity that is measured from its frame or chord; `ground`: it is none of these.
+   !> Flexible body of a quantity measured from its frame or chord; `ground` for all other quantities.
    subroutine find_flexible(model, quantity, body)
       type(model_type), intent(in) :: model
       type(quantity_type), intent(in) :: quantity
@@ -80,10 +80,10 @@ contains
       if (model%bodies(body)%kind /= body_flexible) body = ground
    end subroutine find_flexible
 
-   !> Warns of quantities that are zero because they are measured from there.
+   !> Warns of quantities that are always zero, because they are measured from their own place.
    subroutine warn_of_zero(model, field, channel, diagnostics)
       type(model_type), intent(in) :: model
-      !> Of the deck
+      !> Field of the channel in the deck
       type(field_type), intent(in) :: field
       type(channel_type), intent(in) :: channel
       type(diagnostics_type), intent(inout) :: diagnostics
@@ -102,7 +102,7 @@ contains
       end do
    end subroutine warn_of_zero
 
-   !> Whether a quantity is that of the place which it is measured from.
+   !> Whether a quantity is measured from its own place.
    logical function is_zero(model, quantity)
       type(model_type), intent(in) :: model
       type(quantity_type), intent(in) :: quantity

@@ -1,5 +1,4 @@
-!> Channels that a deck asks for, with units. The quantities in their expressions are found in the model, their units worked out.
-!> Floor: model.
+!> Channels of *OUTPUT with their units. Finds the quantities of their expressions in the model. Floor: model.
 module limber_model_requested_channels
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text, lowercase, nearest_name
@@ -28,7 +27,7 @@ module limber_model_requested_channels
 
 contains
 
-   !> Adds the channels of an *OUTPUT block, and what its options ask for.
+   !> Adds the channels of an *OUTPUT block, and the request for motion records.
    subroutine add_channels(block, model, diagnostics)
       type(block_type), intent(in) :: block
       type(model_type), intent(inout) :: model
@@ -52,6 +51,7 @@ contains
       end do
    end subroutine add_channels
 
+   !> Makes a channel from a field of the deck.
    subroutine new_channel(field, model, channel, diagnostics)
       type(field_type), intent(in) :: field
       type(model_type), intent(in) :: model
@@ -74,7 +74,7 @@ contains
       call warn_of_zero(model, field, channel, diagnostics)
    end subroutine new_channel
 
-   !> x(rod.middle) becomes x_rod_middle.
+   !> Name of a channel without a given name: x(rod.middle) becomes x_rod_middle.
    pure function default_name(field) result(name)
       type(field_type), intent(in) :: field
       character(:), allocatable :: name
@@ -90,7 +90,7 @@ contains
       end do
    end function default_name
 
-   !> Says that there is no such quantity, and no such function.
+   !> Reports an unknown quantity or function.
    subroutine complain_quantity(slot, diagnostics)
       type(slot_type), intent(in) :: slot
       type(diagnostics_type), intent(inout) :: diagnostics
@@ -112,7 +112,7 @@ contains
       call diagnostics%add(slot%origin, "there is no quantity or function '"//slot%name//"'", label, object=slot%name)
    end subroutine complain_quantity
 
-   !> Finds what a slot stands for; `of` stays -1 with a complaint if there is no such thing.
+   !> Finds the quantity of a variable (slot) of an expression. Adds an error and leaves `of` -1 or 0 if there is none.
    subroutine find_quantity(slot, model, quantity, diagnostics)
       type(slot_type), intent(in) :: slot
       type(model_type), intent(in) :: model
@@ -200,7 +200,7 @@ contains
       end select
    end subroutine find_quantity
 
-   !> Finds the coupler that has the name; else nothing is changed.
+   !> Finds the coupler of this name. Without one, `quantity` is unchanged.
    subroutine find_coupler(model, slot, quantity)
       type(model_type), intent(in) :: model
       type(slot_type), intent(in) :: slot
@@ -213,7 +213,7 @@ contains
       quantity%of_coupler = .true.
    end subroutine find_coupler
 
-   !> Complains of the force of a driver of an angle, or the torque of one of a length.
+   !> Reports the force of a driver of an angle, or the torque of a driver of a length.
    subroutine check_effort(kind, slot, diagnostics)
       !> Kind of the driver
       integer, intent(in) :: kind
@@ -227,7 +227,7 @@ contains
          & "' drives a length", 'write force('//slot%argument//')')
    end subroutine check_effort
 
-   !> What is asked of a point as the user has asked it of a joint: the moment in a section.
+   !> Hint for a joint quantity that was asked of a point: the section force to ask instead; empty if there is none.
    pure function of_section_instead(model, slot) result(label)
       type(model_type), intent(in) :: model
       type(slot_type), intent(in) :: slot
@@ -243,7 +243,7 @@ contains
       label = 'that of a section of a beam or frame is '//trim(sections(k))//'('//slot%argument//')'
    end function of_section_instead
 
-   !> Finds the load of some kinds that has the name; `of` is 0 if there is none. What is asked of a rotational spring is in
+   !> Finds the load of this name among some kinds; `of` is 0 if there is none. Elongation and rate of a rotational spring are
    !> angles.
    subroutine find_load(model, slot, kinds, quantity)
       type(model_type), intent(in) :: model
@@ -262,7 +262,7 @@ contains
       if (quantity%angular) quantity%dimension(1) = 0
    end subroutine find_load
 
-   !> Complains of a body that is not a beam.
+   !> Reports a body that is no beam.
    subroutine need_beam(model, body, slot, quantity, diagnostics)
       type(model_type), intent(in) :: model
       integer, intent(in) :: body
@@ -276,7 +276,7 @@ contains
       call diagnostics%add(slot%origin, "'"//slot%argument//"' is not on a beam", slot%name//' is a quantity of beams')
    end subroutine need_beam
 
-   !> Complains of a point that is not on a beam or frame, or where internal forces are not known.
+   !> Reports a point that is not on a beam or frame, or without section forces.
    subroutine need_section(model, slot, quantity, diagnostics)
       type(model_type), intent(in) :: model
       type(slot_type), intent(in) :: slot
@@ -309,7 +309,7 @@ contains
       end associate
    end subroutine need_section
 
-   !> What a rigid body can be made that has internal forces.
+   !> Options of a rigid body for section forces.
    pure function flexible_instead(body) result(text)
       type(body_type), intent(in) :: body
       character(:), allocatable :: text
@@ -317,6 +317,7 @@ contains
       if (body%is_frame) text = 'use GEOMETRIC=K_G or LINEAR, or LARGE=YES'
    end function flexible_instead
 
+   !> Names of the first bodies, for a message.
    pure function body_list(model) result(text)
       type(model_type), intent(in) :: model
       character(:), allocatable :: text
@@ -329,7 +330,7 @@ contains
       if (size(model%bodies) > most) text = text//' ... '//as_text(size(model%bodies))//' in all'
    end function body_list
 
-   !> Dimensions of quantities.
+   !> Dimensions of quantities (quantities).
    pure function slot_dimensions(asked) result(slots)
       type(quantity_type), intent(in) :: asked(:)
       type(dimension_type) :: slots(size(asked))

@@ -1,4 +1,4 @@
-!> Single numbers of a run: *SCALAR. Expressions of what channels were over the samples. Floor: model.
+!> Scalars of a run: *SCALAR. Expressions of summaries of channels over all samples. Floor: model.
 module limber_model_run_scalars
    use limber_base_text, only: lowercase, nearest_name
    use limber_deck_content, only: block_type, field_type
@@ -15,7 +15,7 @@ module limber_model_run_scalars
 
 contains
 
-   !> Adds the scalars of a block; all channels are known.
+   !> Adds the scalars of a block. All channels must be in the model.
    subroutine add_scalars(block, model, diagnostics)
       type(block_type), intent(in) :: block
       type(model_type), intent(inout) :: model
@@ -38,7 +38,7 @@ contains
       end do
    end subroutine add_scalars
 
-   !> Least, greatest and last value of each channel, for a model that asks for no scalars.
+   !> Adds least, greatest and last value of each channel, if the deck asks for no scalars.
    subroutine add_usual_scalars(model)
       type(model_type), intent(inout) :: model
       integer, parameter :: usual(3) = [summary_minimum, summary_maximum, summary_last]
@@ -63,6 +63,7 @@ contains
       end do
    end subroutine add_usual_scalars
 
+   !> Fills a scalar from a field of the deck; reports a repeated name and unknown channels.
    subroutine fill_scalar(field, model, scalar, diagnostics)
       type(field_type), intent(in) :: field
       type(model_type), intent(in) :: model
@@ -89,11 +90,11 @@ contains
       end associate
    end subroutine fill_scalar
 
-   !> What `max(channel)` stands for; a complaint if there is no such thing.
+   !> Finds kind and channel of a summary such as `max(channel)`; adds an error if there is none.
    subroutine find_summary(slot, model, summary, channel, diagnostics)
       type(slot_type), intent(in) :: slot
       type(model_type), intent(in) :: model
-      !> Kind of summary, and index of the channel; 0: none
+      !> Kind of summary, and index of the channel; 0 if not found
       integer, intent(out) :: summary, channel
       type(diagnostics_type), intent(inout) :: diagnostics
       character(:), allocatable :: label

@@ -15,7 +15,7 @@ contains
    !> Area, second moment of area, and distances of the extreme fibres.
    subroutine read_section(block, strength, diagnostics)
       type(block_type), intent(in) :: block
-      !> [length^2], [length^4], to the left and to the right of the beam [length]; zero where not known
+      !> Area [length^2], second moment of area [length^4], distances to the left and right of the axis [length]; 0: unknown
       real(wp), intent(out) :: strength(4)
       type(diagnostics_type), intent(inout) :: diagnostics
       real(wp) :: d, inner
@@ -49,6 +49,7 @@ contains
 
    contains
 
+      !> Whether the block has all these options; adds an error for each missing one.
       logical function has_all(options)
          character(*), intent(in) :: options(:)
          integer :: i
@@ -63,11 +64,11 @@ contains
 
    end subroutine read_section
 
-   !> Area, second moment of area, and distances of the extreme fibres, of a section between two of one shape whose sizes change
-   !> linearly; as in `read_section` (4).
+   !> Area, second moment of area, and distances of the extreme fibres (4), as in `read_section`, of a section between two sections
+   !> of one shape. Dimensions change linearly between them.
    function section_between(first, second, part) result(strength)
       type(block_type), intent(in) :: first, second
-      !> Of the way from the first to the second
+      !> Position between both sections, from 0 to 1
       real(wp), intent(in) :: part
       real(wp) :: strength(4)
       type(diagnostics_type) :: unused
@@ -88,6 +89,7 @@ contains
 
    contains
 
+      !> Dimension at this position.
       real(wp) function between(option)
          character(*), intent(in) :: option
          between = first%real(option) + part*(second%real(option) - first%real(option))
@@ -95,15 +97,15 @@ contains
 
    end function section_between
 
-   !> The integral of y^2/(1 - c y) over a section, with the curvature c of the axis: the second moment of area of a beam whose
-   !> fibres towards the centre of curvature are shorter than its axis; of GENERAL, whose shape is not known, the plain one [length^4].
+   !> Second moment of area of a curved beam [length^4]: integral of y^2/(1 - c y) over the section, with c the curvature of the
+   !> axis. Fibres on the side of the centre of curvature are shorter than the axis. SHAPE=GENERAL: the plain second moment of area.
    !> Source: doc/theory, eq. (2.54).
    real(wp) function curved_inertia(block, strength, arc) result(moment)
-      !> Its shape
+      !> Block of the section
       type(block_type), intent(in) :: block
       !> As in `read_section`
       real(wp), intent(in) :: strength(4)
-      !> Curvature of the axis [1/length]; the extreme fibres are nearer than its centre
+      !> Curvature c of the axis [1/length]; its radius must exceed the distance of the extreme fibres
       real(wp), intent(in) :: arc
       real(wp) :: inner
       moment = strength(2)
@@ -118,6 +120,7 @@ contains
 
    contains
 
+      !> The integral over a disc of this radius.
       real(wp) function of_disc(radius)
          real(wp), intent(in) :: radius
          of_disc = pi*radius**4/(1 + sqrt(1 - (arc*radius)**2))**2
@@ -125,7 +128,7 @@ contains
 
    end function curved_inertia
 
-   !> (artanh(x)/x - 1)/x^2, by its series near zero.
+   !> (artanh(x)/x - 1)/x^2, near zero by its series.
    pure real(wp) function slender_part(x) result(part)
       real(wp), intent(in) :: x
       real(wp), parameter :: small = 0.1_wp
@@ -140,11 +143,11 @@ contains
       end do
    end function slender_part
 
-   !> Area in shear divided by area: as given, or Cowper's for a Poisson's ratio of zero, which for a rectangle is that of the
-   !> parabolic shear stress; zero if not known.
+   !> Ratio of shear area to area. Default: Cowper's value for a Poisson's ratio of zero, for a rectangle that of the parabolic
+   !> shear stress. 0 if unknown.
    pure real(wp) function shear_factor(first, second, part) result(factor)
       type(block_type), intent(in) :: first, second
-      !> Of the way from the first to the second
+      !> Position between both sections, from 0 to 1
       real(wp), intent(in) :: part
       real(wp) :: ratio
       factor = 0.0_wp
@@ -157,7 +160,7 @@ contains
       case ('RECTANGLE'); factor = 5.0_wp/6
       case ('CIRCLE'); factor = 6.0_wp/7
       case ('TUBE')
-         ! Inner diameter, of the outer one
+         ! Ratio of inner to outer diameter
          ratio = 1 - 2*(first%real('THICKNESS') + part*(second%real('THICKNESS') - first%real('THICKNESS'))) &
             & /(first%real('DIAMETER') + part*(second%real('DIAMETER') - first%real('DIAMETER')))
          factor = 6*(1 + ratio**2)**2/(7*(1 + ratio**2)**2 + 20*ratio**2)

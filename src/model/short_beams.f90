@@ -1,5 +1,5 @@
-!> Warnings of slender models on short beams. What they lack for want of shear and rotary inertia, and the warnings of that, for
-!> beams and frames of all models. Floor: model. Source: doc/theory, eqs. (2.47), (2.48).
+!> Warnings of slender models on short beams. Estimates of the error without shear and rotary inertia, for beams and frames of all
+!> models. Floor: model. Source: doc/theory, eqs. (2.47), (2.48).
 module limber_model_short_beams
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
@@ -20,19 +20,19 @@ module limber_model_short_beams
    private
    public :: unsheared_beam, weigh_frame, warn_of_short
 
-   !> Relative error for want of shear that is worth a warning
+   !> Smallest relative error that gives a warning
    real(wp), parameter :: noticed = 0.01_wp
-   !> Finite elements of each member of a frame for its first vibrations
+   !> Elements per member of a frame for its first modes
    integer, parameter :: divisions = 8
-   !> Vibrations of a frame that are looked at: the first may be one along its members
+   !> Number of modes of a frame to be checked: the first may be axial
    integer, parameter :: looked_at = 3
-   !> More than what a beam lacks however it is held, as in `shear_and_turning`; stiffness of springs that hold frames, in that of a
-   !> member
+   !> Upper bound of the values of `shear_and_turning` for all supports; spring stiffness that counts as a support of a frame,
+   !> relative to the stiffness of a member
    real(wp), parameter :: largest = 50.0_wp, firm = 40.0_wp
 
 contains
 
-   !> Warns of beams and frames that are short.
+   !> Warns of short beams and frames.
    subroutine warn_of_short(deck, model, diagnostics)
       type(deck_type), intent(in) :: deck
       type(model_type), intent(in) :: model
@@ -61,36 +61,35 @@ contains
       end do
    end subroutine warn_of_short
 
-   !> Whether a motion or vibrations are asked for.
+   !> Whether the deck has *DYNAMICS or *MODES.
    pure logical function vibrates(deck)
       type(deck_type), intent(in) :: deck
       vibrates = deck%find('DYNAMICS') > 0 .or. deck%find('MODES') > 0
    end function vibrates
 
-   !> The error of a first frequency that is too high, or of a deflection at rest that is too small, beside the true one, eq.
-   !> (2.48).
+   !> Relative error of the model without shear, eq. (2.48): first frequency too high, or static deflection too small.
    pure real(wp) function lacking(deck, shear, turning)
       type(deck_type), intent(in) :: deck
-      !> Elastic energy of shear beside that of the rest, kinetic energy of the sections' rotation beside that of the rest
+      !> Ratio of shear energy to bending energy; ratio of the kinetic energy of the sections' rotation to that of translation
       real(wp), intent(in) :: shear, turning
       lacking = shear/(1 + shear)
       if (vibrates(deck)) lacking = sqrt(1 + shear + turning) - 1
    end function lacking
 
-   !> What a beam lacks without shear, eqs. (2.47), (2.48): of its frequencies where something may vibrate, else of its deflection,
-   !> if anything bends it.
+   !> Relative error of a beam without shear, eqs. (2.47), (2.48): of its frequency if the deck has vibrations, else of its
+   !> deflection; 0 if nothing bends it.
    real(wp) function unsheared_beam(deck, index, material, section, body) result(part)
       type(deck_type), intent(in) :: deck
       !> Blocks of the beam, of its material and of its section
       integer, intent(in) :: index, material, section
-      !> With the choice of an exact beam
+      !> Body with the options of the exact beam
       type(body_type), intent(in) :: body
       type(support_type) :: support
       real(wp) :: slender, of_mode(2), hung
       part = 0.0_wp
       if (.not. (vibrates(deck) .or. is_bent(deck, body%choice%exact))) return
       slender = body%beam%ei/body%beam%ea/deck%blocks(index)%real('LENGTH')**2
-      ! Nothing can be held so that a slender one lacks anything
+      ! First an upper bound for all supports
       part = lacking(deck, largest*slender*softness(deck, material, section), largest*slender)
       if (part <= noticed) return
       call find_support(deck, deck%blocks(index), body%beam, support, hung)
@@ -98,17 +97,17 @@ contains
       part = lacking(deck, of_mode(1)*slender*softness(deck, material, section), of_mode(2)*slender)
    end function unsheared_beam
 
-   !> What holds the ends of a beam, springs too if they are stiff beside it, eq. (2.49), and the mass at its free end.
+   !> Supports of the ends of a beam, stiff springs included, eq. (2.49), and the mass at its free ends.
    subroutine find_support(deck, block, beam, support, hung)
       type(deck_type), intent(in) :: deck
-      !> Of the beam
+      !> Block of the beam
       type(block_type), intent(in) :: block
       type(beam_type), intent(in) :: beam
       type(support_type), intent(out) :: support
-      !> In masses of the beam
+      !> Mass at free ends, in masses of the beam
       real(wp), intent(out) :: hung
-      !> Stiffness of springs across, in E I/L^3, and against turning, in E I/L, that hold: of a beam that moves freely without
-      !> them, and of one that is held
+      !> Smallest spring stiffness that counts as a support: transverse [E I/L^3] and rotational [E I/L]; first for a beam that is
+      !> free without the springs, then for a supported beam
       real(wp), parameter :: across(2) = [10.0_wp, 40.0_wp], turning(2) = [0.5_wp, 5.0_wp]
       type(hold_type), allocatable :: holds(:)
       logical :: at(2), held(2), clamped(2)
@@ -143,8 +142,8 @@ contains
       support%theta_end = clamped(2)
    end subroutine find_support
 
-   !> The same of a frame by its first vibrations, held at the nodes that joints or *BOUNDARY hold, eq. (2.48); and the member with
-   !> most of it.
+   !> Relative error of a frame without shear, by its first modes with the nodes fixed at joints and *BOUNDARY, eq. (2.48); and the
+   !> member with the largest contribution.
    subroutine weigh_frame(deck, index, draft, part, shortest)
       type(deck_type), intent(in) :: deck
       !> Block of the frame
@@ -177,12 +176,13 @@ contains
       end do
    end subroutine weigh_frame
 
-   !> Twice the energies of the shear forces (members) and of the rotation of the sections in a vibration of a frame with unit mass.
+   !> Twice the energy of the shear forces of each member (members), and of the rotation of sections, in a mode with unit modal
+   !> mass.
    subroutine find_energies(deck, draft, mesh, shape, shear, turning)
       type(deck_type), intent(in) :: deck
       type(draft_type), intent(in) :: draft
       type(frame_type), intent(in) :: mesh
-      !> Displacements and rotations of its nodes (3, nodes)
+      !> Displacements and rotation of each node (3, nodes)
       real(wp), intent(in) :: shape(:, :)
       real(wp), intent(out) :: shear(:), turning
       real(wp) :: force, bent, ends(2, 2)
@@ -191,7 +191,7 @@ contains
       turning = 0.0_wp
       do e = 1, size(mesh%length)
          do side = 1, 2
-            ! Displacement across the element, and rotation
+            ! Transverse displacement, and rotation
             associate (moved => shape(:, mesh%ends(side, e)))
                ends(:, side) = [mesh%axis(1, e)*moved(2) - mesh%axis(2, e)*moved(1), moved(3)]
             end associate
@@ -205,7 +205,7 @@ contains
       end do
    end subroutine find_energies
 
-   !> The mesh of a frame in the scene.
+   !> Mesh of a frame with its supports and hanging masses in the scene.
    function held_frame(deck, index, draft) result(mesh)
       type(deck_type), intent(in) :: deck
       integer, intent(in) :: index
@@ -234,10 +234,10 @@ contains
       end do
    end function held_frame
 
-   !> E A over the rigidity in shear of a section.
+   !> Ratio of E A to the shear rigidity of a section.
    real(wp) function softness(deck, material, section)
       type(deck_type), intent(in) :: deck
-      !> Their blocks
+      !> Blocks of the material and the section
       integer, intent(in) :: material, section
       real(wp) :: factor
       factor = shear_factor(deck%blocks(section), deck%blocks(section), 0.0_wp)
@@ -245,7 +245,7 @@ contains
       softness = 2*(1 + deck%blocks(material)%real('POISSON'))/factor
    end function softness
 
-   !> Whether anything bends a beam at rest: the links of a truss are only pulled.
+   !> Whether anything bends a beam at rest: links of a truss are under tension only.
    pure logical function is_bent(deck, choice)
       type(deck_type), intent(in) :: deck
       type(exact_choice_type), intent(in) :: choice
@@ -260,8 +260,8 @@ contains
       if (allocated(choice%corners)) is_bent = is_bent .or. size(choice%corners) > 0
    end function is_bent
 
-   !> Of the first vibration, for a beam of the length 1 with unit rigidities: energy of shear, and of the sections' rotation. A
-   !> guided end is the middle of a beam of twice the length.
+   !> Energies of shear and of the sections' rotation in the first mode, for a beam with length 1 and unit rigidities (2). A guided
+   !> end counts as the middle of a beam with twice the length.
    pure function shear_and_turning(support, hung) result(parts)
       type(support_type), intent(in) :: support
       !> Mass at the free end of a cantilever, in masses of the beam
@@ -286,9 +286,9 @@ contains
       end select
    end function shear_and_turning
 
-   !> Coordinate of a point of a beam; huge if it has none of that name.
+   !> Coordinate of a point on a beam [length]; huge if there is no point with this name.
    pure real(wp) function place_on(block, name) result(x)
-      !> Of the beam
+      !> Block of the beam
       type(block_type), intent(in) :: block
       character(*), intent(in) :: name
       integer :: i

@@ -1,4 +1,4 @@
-!> Units of expressions. Dimensions of what an expression depends on are carried through its operations; the text of what comes out.
+!> Units of expressions. The dimensions of the variables pass through the operations of an expression; the result is a text.
 !> Floor: model.
 module limber_model_unit_rules
    use limber_base_text, only: as_text
@@ -10,29 +10,29 @@ module limber_model_unit_rules
    private
    public :: expression_units, unit_text
 
-   !> Dimension that cannot be; that of an energy: exponents of length, time and mass
+   !> Exponents of length, time and mass: an unknown dimension, and energy
    integer, parameter :: unknown = huge(1), energy(3) = [2, -2, 1]
 
-   !> What is known of a number on the way through an expression
+   !> Dimension of an intermediate value of an expression
    type, extends(dimension_type) :: number_type
-      !> A plain number; one to which a plain number has been added
+      !> True for a number without unit; true for a sum with such a number
       logical :: plain = .false., shifted = .false.
    end type number_type
 
 contains
 
-   !> Dimension of an expression and its text; 'unknown' where quantities do not fit together, or a parameter, which may have any
-   !> dimension, multiplies them.
+   !> Dimension of an expression and text of its unit. 'unknown' if dimensions do not fit together, or after multiplication by a
+   !> parameter, which may have any dimension.
    subroutine expression_units(expression, slots, units, found, text)
       type(expression_type), intent(in) :: expression
-      !> Dimensions of its slots
+      !> Dimensions of the variables (slots)
       type(dimension_type), intent(in) :: slots(:)
       type(units_type), intent(in) :: units
       type(dimension_type), intent(out) :: found
       character(:), allocatable, intent(out) :: text
       integer :: i
       found = dimension_of(expression, slots)
-      ! What has the dimension of an energy is a moment if something of it is, and no angle or energy
+      ! A result with the dimension of an energy is a moment if a variable is a moment, and none is an angle or an energy
       found%moment = all(found%exponents == energy) .and. any(slots%moment) .and. all(slots%turns == 0) .and. &
          & .not. any([(all(slots(i)%exponents == energy) .and. .not. slots(i)%moment, i=1, size(slots))])
       if (found%open .or. any(found%exponents == unknown)) then
@@ -46,8 +46,8 @@ contains
       end if
    end subroutine expression_units
 
-   !> The postfix program of an expression, run on dimensions. Plain numbers have none; what they are added to or taken from says
-   !> theirs, but who multiplies that by another number may mean any dimension. Parameters are open: they may mean any.
+   !> Runs the postfix program of an expression on dimensions. A plain number takes the dimension of the other term in a sum. The
+   !> product of such a sum and another plain number has an unknown dimension. Parameters are open: they may have any dimension.
    pure function dimension_of(expression, slots) result(dimension)
       type(expression_type), intent(in) :: expression
       type(dimension_type), intent(in) :: slots(:)
@@ -76,7 +76,7 @@ contains
       dimension = stack(1)%dimension_type
    end function dimension_of
 
-   !> The dimension that a function makes of one.
+   !> Dimension of the result of a function of one argument.
    pure type(number_type) function changed(code, a) result(c)
       integer, intent(in) :: code
       type(number_type), intent(in) :: a
@@ -88,6 +88,7 @@ contains
       end if
    end function changed
 
+   !> Dimension of the result of an operation with two operands.
    pure type(number_type) function combined(code, a, b) result(c)
       integer, intent(in) :: code
       type(number_type), intent(in) :: a, b
@@ -120,12 +121,12 @@ contains
       end select
    end function combined
 
-   !> A dimension in the deck's units: 'm', 'm/s', 'N', '1'.
+   !> Text of a dimension in the deck's units: 'm', 'm/s', 'N', '1'.
    pure function unit_text(dimension, units, is_moment) result(text)
       !> Exponents of length, time and mass
       integer, intent(in) :: dimension(3)
       type(units_type), intent(in) :: units
-      !> Whether what has the dimension of an energy is a moment; if not given, it is none
+      !> True: the dimension of an energy means a moment; default false
       logical, intent(in), optional :: is_moment
       character(:), allocatable :: text
       text = named(dimension, units%length//' '//units%mass//' '//units%time)
@@ -143,7 +144,7 @@ contains
       end if
    end function unit_text
 
-   !> Units with names of their own: of force, energy, stress, power; empty for others.
+   !> Units with their own names: of force, energy, stress, power; empty for others.
    pure function named(dimension, system) result(text)
       integer, intent(in) :: dimension(3)
       !> Units of length, mass and time
@@ -160,6 +161,7 @@ contains
       end do
    end function named
 
+   !> A unit with its exponent, after a blank; empty for exponent 0.
    pure function power(unit, exponent) result(text)
       character(*), intent(in) :: unit
       integer, intent(in) :: exponent

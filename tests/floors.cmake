@@ -2,7 +2,7 @@
 # Folders are floors; a module uses modules of its own floor or below, and its name is its path. No name of a file, and none of a
 # type, occurs twice.
 cmake_policy(VERSION 3.25)
-set(floors base deck beam model multibody integrator output monitor scene analysis accuracy commands main)
+set(floors base deck beam model elements multibody integrator output monitor scene analysis accuracy commands main)
 
 file(GLOB_RECURSE sources RELATIVE "${SOURCE}" "${SOURCE}/*.f90" "${SOURCE}/*.f90.in")
 set(faults "")
@@ -32,13 +32,14 @@ foreach(source IN LISTS sources)
     list(APPEND types "${type}")
   endforeach()
 
-  file(STRINGS "${SOURCE}/${source}" lines REGEX "^ *(module|program|use) ")
+  file(STRINGS "${SOURCE}/${source}" lines REGEX "^ *(module|program|use|submodule) ")
   foreach(line IN LISTS lines)
     string(TOLOWER "${line}" line)
-    if(line MATCHES "^ *module +([a-z0-9_]+) *(!.*)?$")
+    if(line MATCHES "^ *(sub)?module +(\\([a-z_]+\\) +)?([a-z0-9_]+) *(!.*)?$")
+      set(module "${CMAKE_MATCH_3}")
       string(REPLACE "/" "_" expected "limber_${path}")
-      if(NOT CMAKE_MATCH_1 STREQUAL expected)
-        list(APPEND faults "src/${source}: module ${CMAKE_MATCH_1} should be ${expected}")
+      if(NOT module STREQUAL expected)
+        list(APPEND faults "src/${source}: module ${module} should be ${expected}")
       endif()
     elseif(line MATCHES "^ *use +limber_([a-z0-9]+)_([a-z0-9_]+)")
       list(FIND floors "${CMAKE_MATCH_1}" used)

@@ -12,7 +12,8 @@ module limber_analysis_richer_scene
    use limber_beam_exact_profile, only: of_ei, of_ea, of_ga
    use limber_beam_reduced_body, only: reduced_type
    use limber_beam_taut_axis, only: locate, values_at
-   use limber_model_points_of_action, only: acting_type, acting_points
+   use limber_model_element_effects, only: acting_points
+   use limber_model_points_of_action, only: acting_type
    use limber_model_model, only: body_type
    use limber_model_beam_segments, only: name_in_deck
    use limber_multibody_system, only: system_type

@@ -4,7 +4,7 @@ module limber_commands_help
    use limber_base_text, only: newline, uppercase, nearest_name
    use limber_base_version, only: version, commit, compiler, compiler_options
    use limber_deck_keyword_help, only: help_text, manual_text
-   use limber_deck_keywords, only: keyword_table, option_table, find_keyword
+   use limber_deck_keywords, only: keyword_table, option_table, find_keyword, load_language
    use limber_model_quantities, only: quantity_help, quantity_manual
    implicit none
    private
@@ -23,6 +23,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       character(:), allocatable :: keyword
       integer :: i, near
+      call load_language()
       if (manual) then
          report = manual_text()//newline//'## Quantities'//newline//newline//quantity_manual()
          return

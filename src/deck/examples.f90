@@ -1,7 +1,9 @@
-!> Example of each keyword, for help and manual. Each stands like this in a deck that the tests run (unit/test_examples). Floor:
-!> deck.
+!> Example of each keyword, for help and manual. Each stands like this in a deck that the tests run (unit/test_examples). Examples
+!> of
+!> joints, drivers and loads are in `src/elements`. Floor: deck.
 module limber_deck_examples
    use limber_base_text, only: newline
+   use limber_deck_keywords, only: keyword_example
    implicit none
    private
    public :: example_text
@@ -76,12 +78,8 @@ module limber_deck_examples
       & example_type('ATTACHMENT', '*ATTACHMENT'), &
       & example_type('ATTACHMENT', ' 3, 2'), &
       & example_type('ATTACHMENT', ' 3, 6')]
-   !> Examples of joints, drivers and loads
-   type(example_type), parameter :: joint_lines(*) = [ &
-      & example_type('JOINT', '*JOINT, NAME=slider-pin, TYPE=REVOLUTE'), &
-      & example_type('JOINT', ' rod.end, slider'), &
-      & example_type('JOINT', '*JOINT, NAME=guide, TYPE=POINT ON LINE'), &
-      & example_type('JOINT', ' slider, ground.origin'), &
+   !> Examples of tables, curves and damping
+   type(example_type), parameter :: function_lines(*) = [ &
       & example_type('TABLE', '*TABLE, NAME=thrust, INTERPOLATION=SPLINE'), &
       & example_type('TABLE', ' 0, 0'), &
       & example_type('TABLE', ' 0.1, 400'), &
@@ -89,26 +87,7 @@ module limber_deck_examples
       & example_type('TABLE', '*FORCE, NAME=winch, POINT=left-cage'), &
       & example_type('TABLE', ' 0, thrust(t)'), &
       & example_type('CURVE', '*CURVE, NAME=profile, CLOSED=YES, FILE=cam_profile.csv'), &
-      & example_type('COUPLER', '*COUPLER, NAME=ring-mesh'), &
-      & example_type('COUPLER', ' ring, angle, ring'), &
-      & example_type('COUPLER', ' -ring, angle, carrier'), &
-      & example_type('COUPLER', ' -planet, joint_angle, planet-pin'), &
-      & example_type('DRIVER', '*DRIVER, NAME=motor, TYPE=ANGLE, JOINT=motor-shaft, LEVEL=VELOCITY'), &
-      & example_type('DRIVER', ' speed*cycloidal(5*t)'), &
-      & example_type('MOTION', '*MOTION, NAME=motor, BODY=crank'), &
-      & example_type('MOTION', ' 0, 0, speed*t'), &
-      & example_type('FORCE', '*FORCE, NAME=hammer, POINT=bar.end'), &
-      & example_type('FORCE', ' 0, blow*step(duration - t)'), &
-      & example_type('TORQUE', '*TORQUE, NAME=elbow-motor, POINT=fore.start, REACTION=upper.end'), &
-      & example_type('TORQUE', ' -0.4*cos(2*pi*t/stop)'), &
-      & example_type('SPRING', '*SPRING, NAME=rope, STIFFNESS=2e4, LENGTH=0.6, DAMPING=50'), &
-      & example_type('SPRING', ' load, boom.hook'), &
-      & example_type('BUSHING', '*BUSHING, NAME=mount, STIFFNESS X=2e4, STIFFNESS Y=1e4, STIFFNESS ROTATION=500, DAMPING Y=30'), &
-      & example_type('BUSHING', ' engine.origin, bracket.seat'), &
-      & example_type('DISTRIBUTED LOAD', '*DISTRIBUTED LOAD, NAME=triangular, BODY=triangular'), &
-      & example_type('DISTRIBUTED LOAD', ' 0, -q*s/length, smoothstep(t)'), &
-      & example_type('DAMPING', '*DAMPING, BODY=uniform, RATIO=0.9'), &
-      & example_type('FRICTION', '*FRICTION, NAME=rail, JOINT=left-guide, COEFFICIENT=25')]
+      & example_type('DAMPING', '*DAMPING, BODY=uniform, RATIO=0.9')]
    !> Examples of analyses and of what they give
    type(example_type), parameter :: analysis_lines(*) = [ &
       & example_type('ASSEMBLY', '*ASSEMBLY, LARGEST TURN=0.2, INITIAL DEFLECTIONS=STATIC'), &
@@ -132,7 +111,7 @@ module limber_deck_examples
       & example_type('OUTPUT', ' angle(bar), x(bar.middle), y(bar.middle), deflection(bar.middle), bending_moment(bar.middle)'), &
       & example_type('OUTPUT', ' momentum_x(system), momentum_y(system), angular_momentum(system)'), &
       & example_type('OUTPUT', ' energy = kinetic_energy(system) + potential_energy(system)')]
-   type(example_type), parameter :: lines(*) = [scene_lines, frame_lines, joint_lines, analysis_lines]
+   type(example_type), parameter :: lines(*) = [scene_lines, frame_lines, function_lines, analysis_lines]
 
 contains
 
@@ -141,12 +120,13 @@ contains
       !> In upper case, without the asterisk
       character(*), intent(in) :: keyword
       character(:), allocatable :: text
+      character(110), allocatable :: found(:)
       integer :: i
+      allocate (found, source=[keyword_example(keyword), pack(lines%text, lines%keyword == keyword)])
       text = ''
-      do i = 1, size(lines)
-         if (lines(i)%keyword /= keyword) cycle
-         if (len(text) > 0) text = text//newline
-         text = text//trim(lines(i)%text)
+      do i = 1, size(found)
+         if (i > 1) text = text//newline
+         text = text//trim(found(i))
       end do
    end function example_text
 

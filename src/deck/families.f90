@@ -2,24 +2,23 @@
 !> by what it gives. Floor: deck.
 module limber_deck_families
    use limber_deck_content, only: deck_type, block_type
-   use limber_deck_keywords, only: option_table
+   use limber_deck_body_options, only: beam_options, frame_options
    implicit none
    private
    public :: is_void, settle_models
 
    !> Options of beams that mean something with modes only, and of exact beams only; of frames, with modes only
-   logical, parameter :: of_beams(*) = option_table%keyword == 'BEAM', of_frames(*) = option_table%keyword == 'FRAME'
-   logical, parameter :: with_modes(*) = option_table%models == 'MODES', with_exact(*) = option_table%models == 'EXACT'
-   character(20), parameter, public :: options_of_modes(*) = pack(option_table%name, of_beams .and. with_modes)
-   character(20), parameter, public :: options_of_exact(*) = pack(option_table%name, of_beams .and. with_exact)
-   character(20), parameter, public :: options_of_frame_modes(*) = pack(option_table%name, of_frames .and. with_modes)
+   character(20), parameter, public :: options_of_modes(*) = pack(beam_options%name, beam_options%models == 'MODES')
+   character(20), parameter, public :: options_of_exact(*) = pack(beam_options%name, beam_options%models == 'EXACT')
+   character(20), parameter, public :: options_of_frame_modes(*) = pack(frame_options%name, frame_options%models == 'MODES')
    !> Where bodies are at first, and how fast: kept if the deck gives it, otherwise found by the assembly
    character(20), parameter :: bodies(*) = [character(20) :: 'POINT MASS', 'RIGID BODY', 'BEAM', 'FRAME']
    character(20), parameter :: options_of_first_state(*) = [character(20) :: 'X', 'Y', 'ANGLE', 'VX', 'VY', 'SPIN']
 
 contains
 
-   !> The model of each beam that the deck leaves open: EXACT, or K_G where the deck asks for modes of the beam, and its axial functions if
+   !> The model of each beam that the deck leaves open: EXACT, or K_G where the deck asks for modes of the beam, and its axial
+   !> functions if
    !> it has modes.
    pure subroutine settle_models(deck)
       type(deck_type), intent(inout) :: deck

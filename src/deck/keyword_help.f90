@@ -5,9 +5,9 @@ module limber_deck_keyword_help
    use limber_deck_operations, only: function_names, function_meanings
    use limber_deck_schema, only: keyword_type, option_spec_type, field_spec_type, list_spec_type, many, needed, kind_name, &
       & kind_reference, kind_real, kind_positive, kind_nonnegative, kind_count, kind_counting, kind_word, kind_text, &
-      & kind_path, kind_point, kind_yes, form_none, form_text, form_assignments, form_channels, form_lists
-   use limber_deck_keywords, only: keyword_table, keyword_options, keyword_fields, keyword_lists, find_keyword
-   use limber_deck_words, only: word_spec_type, keyword_words
+      & kind_path, kind_point, kind_yes, form_none, form_text, form_assignments, form_channels, form_lists, word_spec_type
+   use limber_deck_keywords, only: keyword_table, keyword_options, keyword_fields, keyword_lists, &
+      & keyword_words, find_keyword, load_language
    implicit none
    private
    public :: help_text, manual_text
@@ -25,6 +25,7 @@ contains
       character(*), intent(in) :: keyword
       character(:), allocatable :: text
       integer :: row
+      call load_language()
       row = find_keyword(keyword)
       if (row > 0) then
          text = keyword_help(keyword_table(row))
@@ -141,7 +142,9 @@ contains
    pure function line_count(keyword) result(text)
       type(keyword_type), intent(in) :: keyword
       character(:), allocatable :: text
-      if (keyword%most_lines < many) then
+      if (keyword%least_lines < keyword%most_lines .and. keyword%most_lines < many) then
+         text = 'at most one'
+      else if (keyword%most_lines < many) then
          text = 'exactly one'
       else if (keyword%least_lines > 0) then
          text = 'one or more'
@@ -241,6 +244,7 @@ contains
       character(:), allocatable :: text
       type(option_spec_type), allocatable :: specs(:)
       integer :: row, i
+      call load_language()
       text = '# Keywords of a deck'//newline//newline//'Expressions: '//operators//'. Functions: '//listed_functions()//' (' &
          & //function_meanings//'). `pi` is the number, `t` the time; `90 deg` is an angle in degrees.'//newline &
          & //newline//'Capitals are not distinguished, in keywords and in names: `M` and `m` cannot both be channels.'//newline

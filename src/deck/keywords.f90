@@ -1,21 +1,34 @@
 !> Keyword table: every keyword, option and field once. It drives the reader, `limber help`, the reference chapter of the manual and
-!> the effective deck; a new keyword is new rows here. Floor: deck.
+!> the effective deck. Rows of the language, of bodies, analyses and outputs are here. Each joint, driver and load brings its own
+!> rows: `register_elements` of floor elements adds them. Floor: deck.
 module limber_deck_keywords
    use limber_deck_body_options, only: body_options, beam_options, frame_options
-   use limber_deck_joint_kinds, only: joint_words
    use limber_deck_lexer, only: collapsed
-   use limber_deck_schema, only: keyword_type, option_spec_type, field_spec_type, list_spec_type, many, needed, kind_name, &
+   use limber_deck_schema, only: keyword_type, option_spec_type, field_spec_type, list_spec_type, word_spec_type, &
+      & keyword_rows_type, many, needed, kind_name, &
       & kind_reference, kind_real, kind_positive, kind_nonnegative, kind_count, kind_counting, kind_word, kind_text, &
       & kind_path, kind_point, kind_yes, kind_time_expression, kind_law, kind_spring_law, kind_shape, kind_curve, kind_label, &
       & kind_range, form_none, form_text, form_fields, form_assignments, form_channels, form_lists
    implicit none
    private
-   public :: keyword_table, option_table, find_keyword, keyword_options, keyword_fields, keyword_lists, split_values, &
-      & contains_value
+   public :: load_language, add_rows, find_keyword, keyword_options, keyword_fields, keyword_lists, keyword_words, &
+      & keyword_example, &
+      & split_values, contains_value
 
+   !> The table, after `load_language`: all keywords in the order of the manual, all options in the order of their keywords
+   type(keyword_type), allocatable, protected, public :: keyword_table(:)
+   type(option_spec_type), allocatable, protected, public :: option_table(:)
+   !> Rows of joints, drivers and loads
+   type(keyword_rows_type), allocatable :: element_rows(:)
 
-   !> All keywords, in the order of the manual
-   type(keyword_type), parameter :: keyword_table(*) = [ &
+   interface
+      !> Adds the rows of all joints, drivers and loads by `add_rows`. Its body is `src/elements/registration.f90`.
+      module subroutine register_elements()
+      end subroutine register_elements
+   end interface
+
+   !> Keywords without those of joints, drivers and loads, which stand before *ASSEMBLY
+   type(keyword_type), parameter :: own_keywords(*) = [ &
       & keyword_type('HEADING', 1, form_text, 0, many, 'A title: free text, stored with the results'), &
       & keyword_type('PARAMETER', many, form_assignments, 1, many, &
       &    'Named numbers, name = expression; usable behind their definition wherever a number is'), &
@@ -47,28 +60,12 @@ module limber_deck_keywords
       & keyword_type('PROFILE', many, form_fields, 1, many, 'Other sections of an EXACT beam, from a coordinate on'), &
       & keyword_type('ATTACHMENT', many, form_fields, 1, many, &
       &    'Functions of a frame or beam beside its modes: static responses to a unit force or couple; or its interface'), &
-      & keyword_type('JOINT', many, form_fields, 1, 1, 'A joint of two points'), &
       & keyword_type('TABLE', many, form_fields, 0, many, &
       &    'A function of one argument for expressions behind it, name(x): its points; beyond them it keeps its last value'), &
       & keyword_type('CURVE', many, form_fields, 0, many, &
       &    'A curve in the frame of a body, for joints: points, or one line with y as an expression of x'), &
-      & keyword_type('COUPLER', many, form_fields, 1, many, &
-      &    'A linear coupling: the sum of coefficient times joint coordinate, a term each line, stays as it is or is given'), &
-      & keyword_type('DRIVER', many, form_fields, 1, 1, &
-      &    'A motion that is given as a function of time; turns of what it drives are those of the law'), &
-      & keyword_type('MOTION', many, form_fields, 1, 1, &
-      &    'The whole motion of a body as functions of time: it has no unknowns, its mass only adds to the driving forces'), &
-      & keyword_type('FORCE', many, form_fields, 1, 1, &
-      &    'A force on a point; laws of loads may use places, speeds, angles and joint coordinates, no accelerations'), &
-      & keyword_type('TORQUE', many, form_fields, 1, 1, 'A torque on a body, or between two'), &
-      & keyword_type('SPRING', many, form_fields, 1, 1, 'A spring, damper and actuator between two points or two sections'), &
-      & keyword_type('BUSHING', many, form_fields, 1, 1, &
-      &    'Springs and dampers that hold a point near another one, and two sections near one direction'), &
-      & keyword_type('DISTRIBUTED LOAD', many, form_fields, 1, many, &
-      &    'A load along a beam or a member of a frame; several data lines are added'), &
       & keyword_type('DAMPING', many, form_fields, 0, many, &
       &    'Damping of the vibrations of a beam or frame; data lines: modes with a ratio of their own'), &
-      & keyword_type('FRICTION', many, form_none, 0, 0, 'Viscous friction in a REVOLUTE, TRANSLATIONAL or POINT ON LINE joint'), &
       & keyword_type('ASSEMBLY', 1, form_fields, 0, many, &
       &    'How the first position is found from the guesses; data lines: given deflections'), &
       & keyword_type('KINEMATICS', many, form_none, 0, 0, &
@@ -120,19 +117,6 @@ module limber_deck_keywords
       & option_spec_type('GRAVITY', 'X', kind_real, '', 'm/s^2', '0', 'along x'), &
       & option_spec_type('GRAVITY', 'Y', kind_real, '', 'm/s^2', '-9.81', 'along y')]
    type(option_spec_type), parameter :: other_options(*) = [ &
-      & option_spec_type('JOINT', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the joint'), &
-      & option_spec_type('JOINT', 'TYPE', kind_word, joint_words, '', needed, 'what the joint is: see the list below'), &
-      & option_spec_type('JOINT', 'ANGLE', kind_real, '', &
-      &    'rad', '0', 'POINT ON LINE, TRANSLATIONAL, RACK, POINT ON CURVE: direction of the (x) axis in the second section'), &
-      & option_spec_type('JOINT', 'TURN', kind_real, '', &
-      &    'rad', '', 'TRANSLATIONAL, WELD: angle of the first section from the second; if not given, as guessed'), &
-      & option_spec_type('JOINT', 'LENGTH', kind_positive, '', 'm', '', 'ROD: its length; if not given, as guessed'), &
-      & option_spec_type('JOINT', 'RADIUS', kind_positive, '', 'm', '', 'RACK: radius of the pinion'), &
-      & option_spec_type('JOINT', 'FIRST RADIUS', kind_positive, '', 'm', '', 'GEAR, BELT: radius on the first body'), &
-      & option_spec_type('JOINT', 'SECOND RADIUS', kind_positive, '', 'm', '', 'GEAR, BELT: radius on the second body'), &
-      & option_spec_type('JOINT', 'INTERNAL', kind_yes, '', '', '', 'GEAR: one gear runs inside the other'), &
-      & option_spec_type('JOINT', 'CROSSED', kind_yes, '', '', '', 'BELT: crossed, so that the wheels turn against each other'), &
-      & option_spec_type('JOINT', 'CURVE', kind_reference, 'CURVE', '', '', 'POINT ON CURVE: the curve, around the second point'), &
       & option_spec_type('TABLE', 'NAME', kind_name, 'tables', '', needed, 'name of the function'), &
       & option_spec_type('TABLE', 'INTERPOLATION', kind_word, 'LINEAR|SPLINE', &
       &    '', 'LINEAR', 'straight between the points, or the cubic spline without curvature at its ends'), &
@@ -142,68 +126,6 @@ module limber_deck_keywords
       & option_spec_type('CURVE', 'CLOSED', kind_yes, '', '', 'NO', 'the spline through the points ends where it begins'), &
       & option_spec_type('CURVE', 'FILE', kind_path, '', &
       &    '', '', 'file of data lines, relative to the folder of this one; a line that begins with a letter is skipped'), &
-      & option_spec_type('COUPLER', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the coupler'), &
-      & option_spec_type('DRIVER', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the driver'), &
-      & option_spec_type('DRIVER', 'TYPE', kind_word, 'ANGLE|DISTANCE|DISPLACEMENT|X|Y', &
-      &    '', needed, 'angle of BODY or JOINT, distance of POINT and TO, displacement of JOINT, x or y of POINT'), &
-      & option_spec_type('DRIVER', 'BODY', kind_reference, 'RIGID BODY|BEAM|FRAME', '', '', &
-      &    'ANGLE: body that is driven'), &
-      & option_spec_type('DRIVER', 'JOINT', kind_reference, 'JOINT', &
-      &    '', '', 'ANGLE, DISPLACEMENT: joint whose joint_angle or displacement is driven'), &
-      & option_spec_type('DRIVER', 'POINT', kind_point, '', '', '', 'X, Y, DISTANCE: point that is driven'), &
-      & option_spec_type('DRIVER', 'TO', kind_point, '', '', '', 'DISTANCE: point that the distance is counted from'), &
-      & option_spec_type('DRIVER', 'LEVEL', kind_word, 'POSITION|VELOCITY|ACCELERATION', &
-      &    '', 'POSITION', 'what the expression gives: the coordinate, its rate, or its second rate'), &
-      & option_spec_type('DRIVER', 'INITIAL', kind_real, '', &
-      &    'rad, m', '', 'VELOCITY, ACCELERATION: the coordinate at first; if not given, as guessed'), &
-      & option_spec_type('DRIVER', 'INITIAL VELOCITY', kind_real, '', &
-      &    'rad/s, m/s', '', 'ACCELERATION: the rate at first; if not given, 0'), &
-      & option_spec_type('MOTION', 'NAME', kind_name, 'joints, drivers and loads', &
-      &    '', needed, 'name; its drivers are NAME_x, NAME_y and NAME_angle, of which force and torque can be asked'), &
-      & option_spec_type('MOTION', 'BODY', kind_reference, 'RIGID BODY|POINT MASS|BEAM|FRAME', &
-      &    '', needed, 'body whose frame is moved'), &
-      & option_spec_type('FORCE', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the force'), &
-      & option_spec_type('FORCE', 'POINT', kind_point, '', '', needed, 'point that it acts on: body.point'), &
-      & option_spec_type('FORCE', 'FOLLOWER', kind_yes, '', &
-      &    '', 'NO', 'components along the axes of the body''s frame, of a beam: of its section at the point'), &
-      & option_spec_type('TORQUE', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the torque'), &
-      & option_spec_type('TORQUE', 'BODY', kind_reference, 'RIGID BODY|BEAM|FRAME', &
-      &    '', '', 'body that it acts on; of a beam: its floating frame; this or POINT'), &
-      & option_spec_type('TORQUE', 'POINT', kind_point, '', '', '', 'section of a beam that it acts on; this or BODY'), &
-      & option_spec_type('TORQUE', 'REACTION', kind_point, '', &
-      &    '', '', 'body, or section of a beam, on which the opposite torque acts; if not given, the ground'), &
-      & option_spec_type('SPRING', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the spring'), &
-      & option_spec_type('SPRING', 'TYPE', kind_word, 'TRANSLATIONAL|ROTATIONAL', &
-      &    '', 'TRANSLATIONAL', 'along the line through the points, or by the angle from the first section to the second'), &
-      & option_spec_type('SPRING', 'STIFFNESS', kind_nonnegative, '', &
-      &    'N/m, N m/rad', '0', 'tension for each unit of extension, torque for each unit of angle'), &
-      & option_spec_type('SPRING', 'LENGTH', kind_nonnegative, '', &
-      &    'm', '0', 'TRANSLATIONAL: free length, the distance of the points without tension'), &
-      & option_spec_type('SPRING', 'ANGLE', kind_real, '', &
-      &    'rad', '0', 'ROTATIONAL: free angle of the second body less that of the first, turns included'), &
-      & option_spec_type('SPRING', 'DAMPING', kind_nonnegative, '', &
-      &    'N s/m, N m s', '0', 'tension for each unit of the speed at which the points part, torque for each unit of spin'), &
-      & option_spec_type('BUSHING', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the bushing'), &
-      & option_spec_type('BUSHING', 'AXES', kind_real, '', &
-      &    'rad', '0', 'angle of its axes in the second body''s frame or section'), &
-      & option_spec_type('BUSHING', 'STIFFNESS X', kind_nonnegative, '', &
-      &    'N/m', '0', 'force along its first axis for each unit of displacement'), &
-      & option_spec_type('BUSHING', 'STIFFNESS Y', kind_nonnegative, '', 'N/m', '0', 'the same along its second axis'), &
-      & option_spec_type('BUSHING', 'STIFFNESS ROTATION', kind_nonnegative, '', &
-      &    'N m/rad', '0', 'torque for each unit of the angle between the sections'), &
-      & option_spec_type('BUSHING', 'DAMPING X', kind_nonnegative, '', 'N s/m', '0', 'force for each unit of speed'), &
-      & option_spec_type('BUSHING', 'DAMPING Y', kind_nonnegative, '', 'N s/m', '0', 'force for each unit of speed'), &
-      & option_spec_type('BUSHING', 'DAMPING ROTATION', kind_nonnegative, '', 'N m s', '0', 'torque for each unit of spin'), &
-      & option_spec_type('BUSHING', 'ANGLE', kind_real, '', &
-      &    'rad', '0', 'angle of the first section less that of the second without torque'), &
-      & option_spec_type('DISTRIBUTED LOAD', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the load'), &
-      & option_spec_type('DISTRIBUTED LOAD', 'BODY', kind_reference, 'BEAM|FRAME', '', needed, 'beam or frame that it acts on'), &
-      & option_spec_type('DISTRIBUTED LOAD', 'MEMBER', kind_counting, '', '', '', 'number of the member of the frame'), &
-      & option_spec_type('DISTRIBUTED LOAD', 'FOLLOWER', kind_yes, '', &
-      &    '', 'NO', 'components along and across each section, with which they turn, not along the axes of space'), &
-      & option_spec_type('DISTRIBUTED LOAD', 'START', kind_nonnegative, '', 'm', '0', 'coordinate s where it begins'), &
-      & option_spec_type('DISTRIBUTED LOAD', 'END', kind_positive, '', &
-      &    'm', '', 'coordinate s where it ends; if not given, the end of the beam or member'), &
       & option_spec_type('DAMPING', 'BODY', kind_reference, 'BEAM|FRAME', '', needed, 'beam or frame that is damped'), &
       & option_spec_type('DAMPING', 'RAYLEIGH ALPHA', kind_nonnegative, '', &
       &    '1/s', '0', 'damping for each unit of modal mass of the body''s modes as the scene holds it'), &
@@ -211,11 +133,6 @@ module limber_deck_keywords
       &    's', '0', 'damping for each unit of modal stiffness'), &
       & option_spec_type('DAMPING', 'RATIO', kind_nonnegative, '', &
       &    '', '0', 'part of the critical damping of each mode, as joints and springs hold the body at first, without loads'), &
-      & option_spec_type('FRICTION', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the friction'), &
-      & option_spec_type('FRICTION', 'JOINT', kind_reference, 'JOINT', '', needed, &
-      &    'joint that it is in, of TYPE REVOLUTE, TRANSLATIONAL or POINT ON LINE'), &
-      & option_spec_type('FRICTION', 'COEFFICIENT', kind_nonnegative, '', &
-      &    'N m s, N s/m', needed, 'torque for each unit of relative spin, force for each unit of sliding speed'), &
       & option_spec_type('ASSEMBLY', 'LARGEST TURN', kind_positive, '', &
       &    'rad', '0.5', 'rotation of a body from its guess beyond which there is a warning: another branch may be meant'), &
       & option_spec_type('ASSEMBLY', 'INITIAL DEFLECTIONS', kind_word, 'ZERO|GIVEN|STATIC|FOLLOWING', &
@@ -309,11 +226,11 @@ module limber_deck_keywords
       &    most=1000), &
       & option_spec_type('MODES', 'DAMPED', kind_yes, '', '', 'NO', &
       &    'whether velocities count, in dampers or forces across the velocity: frequencies with damping ratios')]
-   !> All options in the order of their keywords: kind, values, unit, default, meaning
-   type(option_spec_type), parameter :: option_table(*) = [setting_options, body_options, beam_options, frame_options, &
+   !> Their options
+   type(option_spec_type), parameter :: own_options(*) = [setting_options, body_options, beam_options, frame_options, &
       & other_options, analysis_options]
-   !> The fields of data lines of the form `form_fields`
-   type(field_spec_type), parameter :: field_table(*) = [ &
+   !> Fields of their data lines of the form `form_fields`
+   type(field_spec_type), parameter :: own_fields(*) = [ &
       & field_spec_type('GROUND', 'point', kind_name, '', 'name of the point'), &
       & field_spec_type('GROUND', 'x', kind_real, 'm', 'position'), &
       & field_spec_type('GROUND', 'y', kind_real, 'm', 'position'), &
@@ -354,37 +271,10 @@ module limber_deck_keywords
       & field_spec_type('ATTACHMENT', 'place', kind_label, '', &
       &    'number of a node or a set of nodes; of a beam: a coordinate or one of its points'), &
       & field_spec_type('ATTACHMENT', 'freedom', kind_counting, '', 'degree of freedom: 1 is x, 2 is y, 6 the rotation'), &
-      & field_spec_type('JOINT', 'first point', kind_point, '', 'body.point'), &
-      & field_spec_type('JOINT', 'second point', kind_point, '', 'body.point'), &
       & field_spec_type('TABLE', 'x', kind_real, '', 'argument, greater than the one before'), &
       & field_spec_type('TABLE', 'value', kind_real, '', 'value there'), &
       & field_spec_type('CURVE', 'x', kind_curve, 'm', 'of a point; or y of the curve as an expression of x, in one line'), &
       & field_spec_type('CURVE', 'y', kind_real, 'm', 'of a point', .true.), &
-      & field_spec_type('COUPLER', 'coefficient', kind_time_expression, '', &
-      &    'of the term; of value: what the sum is, expression of the time t'), &
-      & field_spec_type('COUPLER', 'coordinate', kind_name, '', 'angle, joint_angle, displacement or value; angles count turns'), &
-      & field_spec_type('COUPLER', 'object', kind_name, '', 'body of angle, joint of the others', .true.), &
-      & field_spec_type('DRIVER', 'value', kind_time_expression, 'rad, m', &
-      &    'expression of the time t; of an angle with all its turns, at each start too'), &
-      & field_spec_type('MOTION', 'x', kind_time_expression, 'm', 'of the origin of the body''s frame, expression of the time t'), &
-      & field_spec_type('MOTION', 'y', kind_time_expression, 'm', 'of the origin, likewise'), &
-      & field_spec_type('MOTION', 'angle', kind_time_expression, 'rad', &
-      &    'of the frame, likewise; a point mass has none', optional=.true.), &
-      & field_spec_type('FORCE', 'fx', kind_law, 'N', &
-      &    'component along the first axis, expression of the time t and of quantities'), &
-      & field_spec_type('FORCE', 'fy', kind_law, 'N', 'component along the second axis, likewise'), &
-      & field_spec_type('TORQUE', 'value', kind_law, 'N m', &
-      &    'positive from x to y, expression of the time t and of quantities'), &
-      & field_spec_type('SPRING', 'first point', kind_point, '', 'body.point'), &
-      & field_spec_type('SPRING', 'second point', kind_point, '', 'body.point'), &
-      & field_spec_type('SPRING', 'tension', kind_spring_law, 'N, N m', &
-      &    'added: expression of the elongation x, its rate v, the time t, quantities', .true.), &
-      & field_spec_type('BUSHING', 'first point', kind_point, '', 'body.point'), &
-      & field_spec_type('BUSHING', 'second point', kind_point, '', 'body.point: its section carries the axes'), &
-      & field_spec_type('DISTRIBUTED LOAD', 'qx', kind_shape, 'N/m', 'along the first axis, expression of s along it'), &
-      & field_spec_type('DISTRIBUTED LOAD', 'qy', kind_shape, 'N/m', 'along the second axis, expression of s'), &
-      & field_spec_type('DISTRIBUTED LOAD', 'factor', kind_law, '', &
-      &    'expression of the time t and of quantities', .true.), &
       & field_spec_type('SWEEP', 'parameter', kind_name, '', 'name of a parameter of the deck'), &
       & field_spec_type('SWEEP', 'value', kind_range, '', 'numbers, or first:last:count; of LATIN HYPERCUBE first:last', &
       &    repeated=.true.), &
@@ -405,6 +295,31 @@ module limber_deck_keywords
 
 contains
 
+   !> Fills the table once. Readers of decks and help call it before they use the table.
+   subroutine load_language()
+      integer :: i, first
+      if (allocated(keyword_table)) return
+      allocate (element_rows(0))
+      call register_elements()
+      first = findloc(own_keywords%name == 'ASSEMBLY', .true., dim=1)
+      allocate (keyword_table, source=[own_keywords(:first - 1), (element_rows(i)%keyword, i=1, size(element_rows)), &
+         & own_keywords(first:)])
+      allocate (option_table, source=[own_options, (element_rows(i)%options, i=1, size(element_rows))])
+   end subroutine load_language
+
+   !> Adds the rows of a keyword.
+   subroutine add_rows(rows)
+      type(keyword_rows_type), intent(in) :: rows
+      type(keyword_rows_type), allocatable :: longer(:)
+      integer :: i
+      allocate (longer(size(element_rows) + 1))
+      do i = 1, size(element_rows)
+         longer(i) = element_rows(i)
+      end do
+      longer(i) = rows
+      call move_alloc(longer, element_rows)
+   end subroutine add_rows
+
    !> Index of a keyword in the table, written in any case; 0: unknown.
    pure integer function find_keyword(name) result(found)
       character(*), intent(in) :: name
@@ -414,6 +329,15 @@ contains
          if (keyword_table(found)%name == wanted) return
       end do
    end function find_keyword
+
+   !> Index of an element's rows by its keyword; 0: it is no element.
+   pure integer function find_rows(keyword) result(found)
+      !> In upper case
+      character(*), intent(in) :: keyword
+      do found = size(element_rows), 1, -1
+         if (element_rows(found)%keyword%name == keyword) return
+      end do
+   end function find_rows
 
    !> The options of a keyword, in the order of the table.
    pure function keyword_options(keyword) result(options)
@@ -439,19 +363,42 @@ contains
       !> In upper case
       character(*), intent(in) :: keyword
       type(field_spec_type), allocatable :: fields(:)
-      integer :: i, first, last
-      first = 1
-      last = 0
-      do i = 1, size(field_table)
-         ! Asked for at each data line: most differ in their first letter
-         if (field_table(i)%keyword(1:1) /= keyword(1:1)) cycle
-         if (field_table(i)%keyword /= keyword) cycle
-         if (last == 0) first = i
-         last = i
-      end do
-      allocate (fields(last - first + 1))
-      fields(:) = field_table(first:last)
+      integer :: row
+      row = find_rows(keyword)
+      if (row > 0) then
+         allocate (fields, source=element_rows(row)%fields)
+      else
+         allocate (fields, source=pack(own_fields, own_fields%keyword == keyword))
+      end if
    end function keyword_fields
+
+   !> Meaning of the words of a keyword's options.
+   pure function keyword_words(keyword) result(words)
+      !> In upper case
+      character(*), intent(in) :: keyword
+      type(word_spec_type), allocatable :: words(:)
+      integer :: row
+      row = find_rows(keyword)
+      if (row > 0) then
+         allocate (words, source=element_rows(row)%words)
+      else
+         allocate (words(0))
+      end if
+   end function keyword_words
+
+   !> Lines of the example of an element; none for other keywords.
+   pure function keyword_example(keyword) result(lines)
+      !> In upper case
+      character(*), intent(in) :: keyword
+      character(110), allocatable :: lines(:)
+      integer :: row
+      row = find_rows(keyword)
+      if (row > 0) then
+         allocate (lines, source=element_rows(row)%example)
+      else
+         allocate (lines(0))
+      end if
+   end function keyword_example
 
    !> The lists that data lines of a keyword give.
    pure function keyword_lists(keyword) result(lists)

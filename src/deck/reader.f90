@@ -16,7 +16,7 @@ module limber_deck_reader
    use limber_deck_compile, only: looks_like_operand, is_reserved
    use limber_deck_parameters, only: parameter_type, override_type
    use limber_deck_schema, only: form_text
-   use limber_deck_keywords, only: keyword_table
+   use limber_deck_keywords, only: keyword_table, load_language
    use limber_deck_content, only: deck_type, repeat_type, resize_blocks
    use limber_deck_blocks, only: open_block_type, begin_block, add_line, end_block, tell_name
    use limber_deck_checks, only: check_deck
@@ -71,6 +71,7 @@ contains
       type(deck_type), intent(inout) :: deck
       type(diagnostics_type), intent(inout) :: diagnostics
       type(open_block_type) :: assembly
+      call load_language()
       allocate (deck%repeats(0))
       call read_lines(1, 1, assembly, deck, diagnostics)
       call resize_blocks(deck%blocks, assembly%blocks)

@@ -2,7 +2,7 @@
 module limber_deck_schema
    implicit none
    private
-   public :: keyword_type, option_spec_type, field_spec_type, list_spec_type, many, needed
+   public :: keyword_type, option_spec_type, field_spec_type, list_spec_type, word_spec_type, keyword_rows_type, many, needed
    public :: kind_name, kind_reference, kind_real, kind_positive, kind_nonnegative, kind_count, kind_counting, &
       & kind_word, kind_text, kind_path, kind_point, kind_yes, kind_time_expression, kind_law, kind_spring_law, kind_shape, &
       & kind_curve, kind_label, kind_range
@@ -70,7 +70,8 @@ module limber_deck_schema
       character(110) :: meaning
       !> Of a whole number: the greatest
       integer :: most = many
-      !> Models of a body for which it means something; empty: all. EXACT: exact beams; MODES: beams and frames with modes; LARGE: frames
+      !> Models of a body for which it means something; empty: all. EXACT: exact beams; MODES: beams and frames with modes; LARGE:
+      !> frames
       !> of exact beams
       character(5) :: models = ''
    end type option_spec_type
@@ -97,6 +98,25 @@ module limber_deck_schema
       character(20) :: option
       character(90) :: meaning
    end type list_spec_type
+
+   !> Meaning of a word of an option
+   type :: word_spec_type
+      character(16) :: keyword
+      character(20) :: word
+      !> One or two lines
+      character(230) :: meaning
+   end type word_spec_type
+
+   !> All rows of one keyword
+   type :: keyword_rows_type
+      type(keyword_type) :: keyword
+      type(option_spec_type), allocatable :: options(:)
+      type(field_spec_type), allocatable :: fields(:)
+      !> Meaning of words of its options
+      type(word_spec_type), allocatable :: words(:)
+      !> Lines of its example
+      character(110), allocatable :: example(:)
+   end type keyword_rows_type
 
 contains
 

@@ -66,8 +66,8 @@ module limber_deck_synonyms
 
    !> Keywords
    type(remark_type), parameter :: advices(*) = [ &
-      & remark_type('CONTACT', 'write a stiff one-sided spring: *FORCE with max(0, stiffness*depth)'), &
-      & remark_type('IMPACT', 'write a stiff one-sided spring: *FORCE with max(0, stiffness*depth)'), &
+      & remark_type('CONTACT', 'write *STOP for a limit of a distance or joint, else *FORCE with max(0, stiffness*depth)'), &
+      & remark_type('IMPACT', 'write *STOP for a limit of a distance or joint, else *FORCE with max(0, stiffness*depth)'), &
       & remark_type('EVENT', 'laws with step, min and max change by themselves where their argument does'), &
       & remark_type('BODY', 'a body is a *RIGID BODY, *POINT MASS, *BEAM or *FRAME'), &
       & remark_type('HINGE', 'write *JOINT, TYPE=REVOLUTE'), &
@@ -84,6 +84,8 @@ module limber_deck_synonyms
       & remark_type('MOTOR', 'a given motion is a *DRIVER, a given torque a *TORQUE'), &
       & remark_type('ACTUATOR', 'a given motion is a *DRIVER, a force between points a *SPRING with a law'), &
       & remark_type('DAMPER', 'write *SPRING, DAMPING=...'), &
+      & remark_type('LIMIT', 'write *STOP'), &
+      & remark_type('ROPE', 'write *STOP, MOST=length: a rope that goes slack; or a *SPRING, which pushes too'), &
       & remark_type('LOAD', 'loads are *FORCE, *TORQUE, *SPRING and *DISTRIBUTED LOAD'), &
       & remark_type('CLOAD', 'write *FORCE'), &
       & remark_type('DLOAD', 'write *DISTRIBUTED LOAD'), &

@@ -7,7 +7,8 @@ module limber_model_beam_choice
    use limber_beam_static_functions, only: attachment_type
    use limber_beam_beam_mesh, only: beam_type, new_support, concentrate, put_nodes
    use limber_beam_beam_reduction, only: reduction_type, available_modes, fidelity_linear, fidelity_kg, fidelity_exact
-   use limber_model_points_of_action, only: acting_type, acting_points, find_shared, find_turning
+   use limber_model_element_effects, only: acting_points, find_shared, find_turning
+   use limber_model_points_of_action, only: acting_type
    use limber_model_body_parts, only: is_part
    use limber_model_beam_layers, only: layer_lengths
    use limber_model_beam_features, only: read_features, refuse_features

@@ -6,11 +6,11 @@ module limber_model_beam_segments
    use limber_base_text, only: as_text
    use limber_deck_content, only: deck_type, block_type
    use limber_deck_diagnostics, only: diagnostics_type
-   use limber_deck_joint_kinds, only: joint_weld
    use limber_deck_origin, only: origin_type
    use limber_beam_beam_mesh, only: new_support
    use limber_beam_exact_beam, only: undeformed_place
    use limber_beam_beam_reduction, only: reduction_type, point_shape, exact_shape
+   use limber_model_joint_kind, only: describe_joint
    use limber_model_lists, only: append
    use limber_model_points, only: add_point, enter_name, find_body
    use limber_model_model, only: model_type, body_type, whole_type, joint_type, body_flexible
@@ -109,7 +109,7 @@ contains
       integer, intent(in) :: index
       type(joint_type) :: weld
       integer :: body
-      weld%kind = joint_weld
+      call describe_joint('WELD', weld)
       weld%has_turn = .true.
       do body = model%wholes(index)%first + 1, model%wholes(index)%last
          weld%name = model%bodies(body)%name

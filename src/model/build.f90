@@ -14,11 +14,10 @@ module limber_model_build
    use limber_model_frames, only: add_frame
    use limber_model_gravity, only: read_gravity, warn_of_degrees
    use limber_model_large_frames, only: is_large, has_large_frames, expand_frames, unite_frame
-   use limber_model_joint_blocks, only: add_joint, add_coupler, add_driver
-   use limber_model_motions, only: add_motion
    use limber_model_lists, only: trim_lists
-   use limber_model_load_blocks, only: add_force, add_torque, add_spring, add_bushing, add_friction, add_damping, &
-      & resolve_laws
+   use limber_model_body_damping, only: add_damping
+   use limber_model_element, only: elements, find_element
+   use limber_model_load_laws, only: resolve_laws
    use limber_model_body_parts, only: check_parts
    use limber_model_points, only: add_point, find_body
    use limber_model_ramps, only: warn_of_ramp
@@ -26,7 +25,6 @@ module limber_model_build
    use limber_model_model, only: model_type, body_flexible, ground
    use limber_model_short_beams, only: warn_of_short
    use limber_model_beam_segments, only: pieces_of
-   use limber_model_distributed_loads, only: add_distributed
    use limber_model_force_sections, only: add_recoveries
    implicit none
    private
@@ -59,7 +57,7 @@ contains
       type(model_type), intent(out) :: model
       type(diagnostics_type), intent(inout) :: diagnostics
       type(library_type), intent(inout), optional :: library
-      integer :: i, before
+      integer :: i, before, round
       logical :: whole
       allocate (model%bodies(0), model%wholes(0), model%points(0), model%joints(0), model%drivers(0), &
          & model%channels(0))
@@ -90,36 +88,16 @@ contains
       end do
       call add_analyses(deck, model, diagnostics)
       model%length = scene_length(model)
-      do i = 1, size(deck%blocks)
-         if (diagnostics%count >= max_errors) return
-         if (deck%blocks(i)%broken) cycle
-         before = diagnostics%count
-         select case (deck%blocks(i)%keyword)
-         case ('ASSEMBLY'); call read_assembly(deck%blocks(i), model, diagnostics)
-         case ('JOINT'); call add_joint(deck, i, model, diagnostics)
-         case ('FORCE'); call add_force(deck%blocks(i), model, diagnostics)
-         case ('TORQUE'); call add_torque(deck%blocks(i), model, diagnostics)
-         case ('SPRING'); call add_spring(deck%blocks(i), model, diagnostics)
-         case ('BUSHING'); call add_bushing(deck%blocks(i), model, diagnostics)
-         case ('DISTRIBUTED LOAD'); call add_distributed(deck%blocks(i), model, diagnostics)
-         case ('DAMPING'); call add_damping(deck%blocks(i), model, diagnostics)
-         end select
-         if (diagnostics%count > before) call tell_block(deck%blocks(i), diagnostics)
+      do round = 1, 2
+         do i = 1, size(deck%blocks)
+            if (diagnostics%count >= max_errors) return
+            if (deck%blocks(i)%broken) cycle
+            before = diagnostics%count
+            call read_block(deck, i, round, model, diagnostics)
+            if (diagnostics%count > before) call tell_block(deck%blocks(i), diagnostics)
+         end do
+         call trim_lists(model)
       end do
-      call trim_lists(model)
-      do i = 1, size(deck%blocks)
-         if (diagnostics%count >= max_errors) return
-         if (deck%blocks(i)%broken) cycle
-         before = diagnostics%count
-         select case (deck%blocks(i)%keyword)
-         case ('COUPLER'); call add_coupler(deck%blocks(i), model, diagnostics)
-         case ('DRIVER'); call add_driver(deck%blocks(i), model, diagnostics)
-         case ('MOTION'); call add_motion(deck%blocks(i), model, diagnostics)
-         case ('FRICTION'); call add_friction(deck%blocks(i), model, diagnostics)
-         end select
-         if (diagnostics%count > before) call tell_block(deck%blocks(i), diagnostics)
-      end do
-      call trim_lists(model)
       call resolve_laws(model, diagnostics)
       do i = 1, size(deck%blocks)
          if (deck%blocks(i)%broken) cycle
@@ -138,6 +116,24 @@ contains
       if (size(model%bodies) == 0 .and. diagnostics%count == 0) call diagnostics%add(origin_type(file=1), &
          & 'the deck has no body; it needs at least one *RIGID BODY, *POINT MASS, *BEAM or *FRAME')
    end subroutine build_blocks
+
+   !> Reads a block of the assembly, of damping, or of a joint, driver or load, in its round.
+   subroutine read_block(deck, index, round, model, diagnostics)
+      type(deck_type), intent(in) :: deck
+      !> Index of the block; 1: behind all bodies, 2: behind joints and springs too
+      integer, intent(in) :: index, round
+      type(model_type), intent(inout) :: model
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: element
+      element = find_element(deck%blocks(index)%keyword)
+      if (element > 0) then
+         if (elements(element)%item%round == round) call elements(element)%item%read(deck, index, model, diagnostics)
+      else if (round == 1 .and. deck%blocks(index)%keyword == 'ASSEMBLY') then
+         call read_assembly(deck%blocks(index), model, diagnostics)
+      else if (round == 1 .and. deck%blocks(index)%keyword == 'DAMPING') then
+         call add_damping(deck%blocks(index), model, diagnostics)
+      end if
+   end subroutine read_block
 
    !> Whether a keyword has an option ANGLE for an initial direction.
    pure logical function has_angle(keyword)

@@ -12,12 +12,11 @@ module limber_model_distributed_loads
    use limber_beam_exact_beam, only: lean_at
    use limber_beam_beam_reduction, only: point_shape, exact_shape
    use limber_model_law_breaks, only: law_breaks, law_stations, undefined_at
-   use limber_model_load_blocks, only: new_part, set_law, append_part, name_load, constant
+   use limber_model_load_parts, only: new_part, set_law, append_part, name_load, constant
    use limber_model_points, only: add_point, find_body
    use limber_model_beam_segments, only: pieces_of, piece_start
    use limber_model_model, only: model_type, load_part_type, distributed_load_type, body_type, body_flexible, along_axis, &
-      & along_follower, &
-      & load_distributed
+      & along_follower
    implicit none
    private
    public :: add_distributed, spread_parts
@@ -75,7 +74,7 @@ contains
             end do
          end do
       end do
-      call name_load(block, load_distributed, first, model)
+      call name_load(model, block%name(), first)
 
    contains
 

@@ -7,10 +7,9 @@ module limber_model_force_sections
    use limber_beam_plane_frame, only: frame_type, beam_frame
    use limber_beam_force_recovery, only: section_type, load_place_type, recovery_type, new_recovery, exact_recovery, all_sections
    use limber_model_quantities, only: is_internal_force
-   use limber_model_model, only: model_type
+   use limber_model_model, only: place_on_beam, model_type
    use limber_model_distributed_loads, only: spread_parts
    use limber_base_kinds, only: wp
-   use limber_deck_joint_kinds, only: joint_sliding
    implicit none
    private
    public :: add_recoveries, recover_stations
@@ -119,7 +118,7 @@ contains
       intervals = least
       if (model%bodies(index)%reduced%is_exact) intervals = max(least, for_each*model%bodies(index)%reduced%exact%angles)
       do i = 1, size(model%joints)
-         if (model%joints(i)%kind /= joint_sliding) cycle
+         if (model%joints(i)%place /= place_on_beam) cycle
          if (model%points(model%joints(i)%points(2))%body == index) intervals = max(intervals, for_slides)
       end do
    end function envelope_intervals

@@ -11,7 +11,8 @@ module limber_model_frames
    use limber_beam_static_functions, only: attachment_type
    use limber_beam_reduced_body, only: reduced_type, rigid_reduced
    use limber_beam_beam_reduction, only: fidelity_linear, fidelity_kg
-   use limber_model_points_of_action, only: acting_type, acting_points
+   use limber_model_element_effects, only: acting_points
+   use limber_model_points_of_action, only: acting_type
    use limber_model_bodies, only: new_body, append_body, is_new_point, warn_of_rounding
    use limber_model_frame_draft, only: draft_type, read_draft, member_of, node_named
    use limber_model_body_parts, only: is_part

@@ -4,7 +4,6 @@ module limber_model_model
    use limber_base_kinds, only: wp, long
    use limber_base_names, only: name_index_type
    use limber_deck_expression, only: expression_type
-   use limber_deck_joint_kinds, only: joint_revolute
    use limber_beam_exact_profile, only: profile_type
    use limber_beam_plane_frame, only: frame_type
    use limber_beam_frame_reduction, only: frame_choice_type
@@ -16,13 +15,24 @@ module limber_model_model
    use limber_beam_beam_reduction, only: reduction_type
    implicit none
    private
-   public :: model_type, body_type, whole_type, point_type, joint_type, term_type, driver_type
+   public :: model_type, body_type, whole_type, point_type, joint_type, function_term_type, term_type, driver_type
    public :: deflection_type
    public :: load_part_type, distributed_load_type, named_load_type, scalar_type
    public :: dynamics_type, analysis_step_type, channel_type, quantity_type, dimension_type, units_type
 
    !> Kinds of bodies: a point mass has a position only, other bodies also have a direction
    integer, parameter, public :: body_point = 1, body_rigid = 2, body_flexible = 3
+   !> What a joint demands of the place of its first point: nothing; the place of the second; a line through that, at ANGLE; a curve
+   !> around it; the line of a beam; a distance from it. Or wheels roll on each other, whose centres others hold
+   integer, parameter, public :: place_free = 0, place_at_point = 1, place_on_line = 2, place_on_curve = 3, place_on_beam = 4, &
+      & place_at_distance = 5, place_rolling = 6
+   !> Scalar functions of the equations of joints: coordinate of the first point from the second along an axis of space; the same
+   !> along a
+   !> line in the section of the second; sine of the angle of the sections less TURN, times the characteristic length; distance of
+   !> the points;
+   !> angle of one section; direction from the first point to the second. Angles count turns
+   integer, parameter, public :: function_component = 1, function_displacement = 2, function_parallel = 3, function_distance = 4, &
+      & function_section_angle = 5, function_direction = 6
    !> Joint coordinates for couplers and drivers: angle of a body's frame; angle of a joint's first section relative to the second;
    !> position of a joint's first point along its line
    integer, parameter, public :: coordinate_angle = 1, coordinate_joint_angle = 2, coordinate_displacement = 3
@@ -43,9 +53,8 @@ module limber_model_model
    !> of its section; distance of P1 and P2; position of P1 from P2 along an axis of the section at P2; angle of the section at P1
    !> less that at P2
    integer, parameter, public :: along_axis = 1, along_follower = 2, along_distance = 3, along_slide = 4, along_angle = 5
-   !> Kinds of loads in the deck
-   integer, parameter, public :: load_force = 1, load_torque = 2, load_spring = 3, load_rotational = 4, load_bushing = 5, &
-      & load_distributed = 6, load_friction = 7
+   !> Largest number of coordinates of a beam in a sliding joint
+   integer, parameter, public :: most_bends = 24
    !> Largest number of variables in the law of a load
    integer, parameter, public :: most_slots = 15
    !> Kinds of summaries of a channel, and their names
@@ -199,11 +208,30 @@ module limber_model_model
       integer :: kind = 0, of = 0
    end type term_type
 
+   !> A term of an equation of a joint: a coefficient times a scalar function
+   type :: function_term_type
+      !> Number of the equation; the function: function_component, ...
+      integer :: row = 1, function = 0
+      !> Direction of the axis or line [rad]; point of a section angle
+      real(wp) :: angle = 0.0_wp
+      integer :: side = 0
+      real(wp) :: coefficient = 1.0_wp
+      !> Whether the coefficient changes its sign if the first point is on the right of the joint's line in the first guess
+      logical :: by_side = .false.
+   end type function_term_type
+
    !> A joint between two points
    type :: joint_type
       character(:), allocatable :: name
-      !> Row of the table of kinds: joint_revolute, ...
-      integer :: kind = joint_revolute
+      !> What it demands of the place of its first point; whether it keeps the angle of the first section from the second
+      integer :: place = place_free
+      logical :: keeps_angle = .false.
+      !> Name of its symbol in drawings
+      character(:), allocatable :: symbol
+      !> Terms of its equations. Each equation keeps the value that it has in the first guess, or is zero if `zero`, or LENGTH if
+      !> that is given
+      type(function_term_type), allocatable :: functions(:)
+      logical :: zero = .true.
       !> Indices of the two points
       integer :: points(2) = 0
       !> Direction of the line in the section of the second body [rad]
@@ -225,6 +253,8 @@ module limber_model_model
       type(term_type), allocatable :: terms(:)
       logical :: has_law = .false.
       type(expression_type) :: law
+   contains
+      procedure :: is_hinge, is_weld, is_coupler
    end type joint_type
 
    !> A motion prescribed in time
@@ -267,10 +297,14 @@ module limber_model_model
    !> A load as the deck names it
    type :: named_load_type
       character(:), allocatable :: name
-      !> load_force, load_torque, load_spring, load_rotational, load_bushing, load_distributed or load_friction
-      integer :: kind = 0
       !> Index of its first and last part in the list of the model
       integer :: first = 0, last = 0
+      !> Whether it has an elongation; whether this is an angle; whether it holds two sections near each other, so that it has
+      !> components
+      !> in the axes of the second
+      logical :: stretches = .false., angular = .false., holds_sections = .false.
+      !> Name of its symbol in drawings; empty: it is not drawn
+      character(:), allocatable :: symbol
    end type named_load_type
 
    !> A requested channel: an expression of quantities
@@ -417,6 +451,24 @@ module limber_model_model
    end type model_type
 
 contains
+
+   !> Whether a joint leaves a rotation about a point and nothing else.
+   pure logical function is_hinge(self)
+      class(joint_type), intent(in) :: self
+      is_hinge = self%place == place_at_point .and. .not. self%keeps_angle
+   end function is_hinge
+
+   !> Whether a joint leaves no motion.
+   pure logical function is_weld(self)
+      class(joint_type), intent(in) :: self
+      is_weld = self%place == place_at_point .and. self%keeps_angle
+   end function is_weld
+
+   !> Whether it is a coupler, which has no points.
+   pure logical function is_coupler(self)
+      class(joint_type), intent(in) :: self
+      is_coupler = allocated(self%terms)
+   end function is_coupler
 
    !> Whether the law of a part depends on time alone. True without a law.
    pure logical function is_of_time(self)

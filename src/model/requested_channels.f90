@@ -5,7 +5,6 @@ module limber_model_requested_channels
    use limber_deck_content, only: block_type, field_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_expression, only: slot_type
-   use limber_deck_joint_kinds, only: joint_coupler
    use limber_deck_operations, only: function_names
    use limber_model_lists, only: append
    use limber_model_points, only: find_point, find_body, find_named, enter_name
@@ -16,8 +15,7 @@ module limber_model_requested_channels
    use limber_model_unit_rules, only: expression_units
    use limber_model_references, only: find_reference, warn_of_zero
    use limber_model_model, only: model_type, body_type, channel_type, quantity_type, dimension_type, body_point, &
-      & body_flexible, ground, coordinate_displacement, driver_angle, driver_joint_angle, load_force, load_torque, &
-      & load_spring, load_rotational, load_bushing, load_distributed, load_friction
+      & body_flexible, ground, coordinate_displacement, driver_angle, driver_joint_angle
    implicit none
    private
    public :: add_channels, find_quantity, flexible_instead
@@ -156,22 +154,23 @@ contains
       case (of_joint, of_pusher)
          i = find_named(model, 'joint', slot%argument)
          quantity%of = i
-         if (i == 0 .and. quantities(quantity%kind)%of == of_pusher) call find_load(model, slot, [load_bushing], quantity)
+         if (i == 0 .and. quantities(quantity%kind)%of == of_pusher) call find_load(model, slot, model%loads%holds_sections, &
+            & quantity)
          if (quantity%of == 0) then
             call diagnostics%add(slot%origin, "there is no joint '"//slot%argument//"'", of_section_instead(model, slot), &
                & object=slot%argument)
          else if (quantity%of_load) then
             return
-         else if (model%joints(quantity%of)%kind == joint_coupler) then
+         else if (model%joints(quantity%of)%is_coupler()) then
             call diagnostics%add(slot%origin, "'"//slot%argument//"' is a coupler, which has no "//slot%name, &
                & slot%name//' is a quantity of joints')
          end if
       case (of_driver, of_turner, of_powered)
          i = find_named(model, 'driver', slot%argument)
          quantity%of = i
-         if (i == 0 .and. quantities(quantity%kind)%of == of_turner) call find_load(model, slot, [load_rotational], quantity)
-         if (i == 0 .and. quantities(quantity%kind)%of == of_powered) call find_load(model, slot, [load_force, load_torque, &
-            & load_spring, load_rotational, load_bushing, load_distributed, load_friction], quantity)
+         if (i == 0 .and. quantities(quantity%kind)%of == of_turner) call find_load(model, slot, model%loads%angular, quantity)
+         if (i == 0 .and. quantities(quantity%kind)%of == of_powered) &
+            & call find_load(model, slot, [(.true., i=1, size(model%loads))], quantity)
          if (quantity%of == 0 .and. quantities(quantity%kind)%of == of_powered) call find_coupler(model, slot, quantity)
          if (quantity%of_coupler) return
          if (quantity%of == 0) then
@@ -188,10 +187,10 @@ contains
             if (model%joints(quantity%of)%terms(1)%kind == coordinate_displacement) quantity%dimension(1) = 1
          end if
       case (of_spring)
-         call find_load(model, slot, [load_spring, load_rotational], quantity)
+         call find_load(model, slot, model%loads%stretches, quantity)
          if (quantity%of == 0) call diagnostics%add(slot%origin, "there is no spring '"//slot%argument//"'", object=slot%argument)
       case (of_translational)
-         call find_load(model, slot, [load_spring], quantity)
+         call find_load(model, slot, model%loads%stretches .and. .not. model%loads%angular, quantity)
          if (quantity%of == 0) call diagnostics%add(slot%origin, "there is no spring '"//slot%argument//"'", object=slot%argument)
       case (of_system)
          quantity%of = 0
@@ -208,7 +207,7 @@ contains
       integer :: i
       i = find_named(model, 'joint', slot%argument)
       if (i == 0) return
-      if (model%joints(i)%kind /= joint_coupler) return
+      if (.not. model%joints(i)%is_coupler()) return
       quantity%of = i
       quantity%of_coupler = .true.
    end subroutine find_coupler
@@ -243,21 +242,23 @@ contains
       label = 'that of a section of a beam or frame is '//trim(sections(k))//'('//slot%argument//')'
    end function of_section_instead
 
-   !> Finds the load of this name among some kinds; `of` is 0 if there is none. Elongation and rate of a rotational spring are
+   !> Finds the load of this name among those that have the quantity; `of` is 0 if there is none. Elongation and rate of a
+   !> rotational spring are
    !> angles.
-   subroutine find_load(model, slot, kinds, quantity)
+   subroutine find_load(model, slot, suits, quantity)
       type(model_type), intent(in) :: model
       type(slot_type), intent(in) :: slot
-      integer, intent(in) :: kinds(:)
+      !> Whether it has the quantity (loads)
+      logical, intent(in) :: suits(:)
       type(quantity_type), intent(inout) :: quantity
       integer :: i
       do i = size(model%loads), 1, -1
-         if (model%loads(i)%name == slot%argument .and. any(kinds == model%loads(i)%kind)) exit
+         if (model%loads(i)%name == slot%argument .and. suits(i)) exit
       end do
       quantity%of = i
       if (i == 0) return
       quantity%of_load = .true.
-      if (model%loads(i)%kind /= load_rotational) return
+      if (.not. model%loads(i)%angular) return
       quantity%angular = quantity%kind == quantity_elongation .or. quantity%kind == quantity_rate
       if (quantity%angular) quantity%dimension(1) = 0
    end subroutine find_load

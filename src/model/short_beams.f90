@@ -12,7 +12,8 @@ module limber_model_short_beams
    use limber_beam_beam_mesh, only: support_type, beam_type
    use limber_beam_reduced_body, only: reduced_type
    use limber_beam_beam_reduction, only: fidelity_linear
-   use limber_model_held_ends, only: hold_type, holds_of
+   use limber_model_element_effects, only: holds_of
+   use limber_model_held_ends, only: hold_type
    use limber_model_frame_draft, only: draft_type, node_named
    use limber_model_model, only: model_type, body_type
    use limber_model_sections, only: shear_factor

@@ -4,20 +4,21 @@
 module limber_monitor_function_buckling
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
-   use limber_deck_joint_kinds, only: joint_weld, joint_kinds, place_on_beam, place_rolling
    use limber_monitor_connections, only: hangs_on, ends_of
-   use limber_model_model, only: model_type
+   use limber_model_model, only: place_on_beam, place_rolling, model_type
    implicit none
    private
    public :: buckling_type, start_buckling, observe_buckling, join_buckling, buckles_unseen
 
-   !> Compression beyond which it counts, in units of Euler's load; deflection that is none, in units of the length; growth by which a
+   !> Compression beyond which it counts, in units of Euler's load; deflection that is none, in units of the length; growth by
+   !> which a
    !> small imperfection becomes large, as a logarithm
    real(wp), parameter :: beyond = 1.05_wp, straight = 1.0e-10_wp, much = 2.0_wp
 
    !> One beam, or a piece of one
    type :: buckling_type
-      !> Euler's load [force], as it is and as if the ends that carry something stood still; 0: none that could be told of. Squares of
+      !> Euler's load [force], as it is and as if the ends that carry something stood still; 0: none that could be told of.
+      !> Squares of
       !> the rates at which a deflection grows, for each unit of force beyond these [1/(mass length)]
       real(wp) :: euler = 0.0_wp, euler_between = 0.0_wp, pace = 0.0_wp, pace_between = 0.0_wp
       !> Compression at the last state in motion in units of Euler's load, and when; largest one while it was straight, and when;
@@ -76,7 +77,7 @@ contains
       guided = .false.
       carried = 0.0_wp
       do i = 1, size(model%joints)
-         if (any(joint_kinds(model%joints(i)%kind)%place == [place_rolling, place_on_beam])) cycle
+         if (any(model%joints(i)%place == [place_rolling, place_on_beam])) cycle
          ends = ends_of(model, i)
          do side = 1, 2
             if (ends(side) /= body .or. model%joints(i)%points(side) == 0) cycle
@@ -84,7 +85,7 @@ contains
             if (end == 0) cycle
             found(end) = .true.
             if (.not. model%joints(i)%bears(side) .or. (hangs_on(model, ends(3 - side), [body]) .and. &
-               & model%joints(i)%kind /= joint_weld)) then
+               & .not. model%joints(i)%is_weld())) then
                guided(end) = guided(end) .or. model%joints(i)%guides(side)
                carried(end) = carried(end) + model%bodies(ends(3 - side))%reduced%mass
             else

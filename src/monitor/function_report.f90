@@ -4,7 +4,6 @@
 module limber_monitor_function_report
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text, newline
-   use limber_deck_joint_kinds, only: joint_sliding
    use limber_monitor_function_channels, only: asks_along, shows_place, asks_moment, lost_of_channels, of_moments, &
       & of_forces, of_pulls
    use limber_monitor_function_buckling, only: buckles_unseen
@@ -13,8 +12,7 @@ module limber_monitor_function_report
    use limber_monitor_function_watch, only: function_watch_type
    use limber_monitor_met_ends, only: met_ends_warnings
    use limber_monitor_noise, only: noise_of
-   use limber_model_joint_blocks, only: most_bends
-   use limber_model_model, only: model_type
+   use limber_model_model, only: most_bends, place_on_beam, model_type
    implicit none
    private
    public :: function_warnings, ring_warnings
@@ -38,7 +36,8 @@ module limber_monitor_function_report
       !> First and last of the watched beams; name
       integer :: first = 0, last = 0
       character(:), allocatable :: name
-      !> Parts beyond their limits that err, 0 for others: of the deflection by the shape and by vibrations, of moments in layers and
+      !> Parts beyond their limits that err, 0 for others: of the deflection by the shape and by vibrations, of moments in layers
+      !> and
       !> at rest, of moments and forces by vibrations; pieces of the first and the third
       real(wp) :: rest = 0.0_wp, late = 0.0_wp, layers = 0.0_wp, moments = 0.0_wp, lost(3) = 0.0_wp
       integer :: worst = 0, taut = 0
@@ -266,7 +265,7 @@ contains
       integer :: i
       most = huge(most)
       do i = 1, size(model%joints)
-         if (model%joints(i)%kind /= joint_sliding) cycle
+         if (model%joints(i)%place /= place_on_beam) cycle
          if (model%points(model%joints(i)%points(2))%body == body) most = most_bends
       end do
    end function room

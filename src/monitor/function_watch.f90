@@ -5,7 +5,6 @@
 module limber_monitor_function_watch
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
-   use limber_deck_joint_kinds, only: joint_sliding, joint_kinds, place_at_point
    use limber_beam_exact_beam, only: exact_type, sum_along
    use limber_beam_beam_mesh, only: support_type
    use limber_beam_force_recovery, only: recovery_type
@@ -19,7 +18,8 @@ module limber_monitor_function_watch
    use limber_output_internal_forces, only: section_forces_type, start_effort, gather_exact
    use limber_model_quantities, only: quantity_force_x, quantity_force_y, quantity_force_1, quantity_force_2, &
       & quantity_torque, quantity_force, quantity_power
-   use limber_model_model, only: model_type, body_point, body_flexible, driver_joint_angle, driver_x, driver_y, ground
+   use limber_model_model, only: place_on_beam, place_at_point, model_type, body_point, body_flexible, driver_joint_angle, &
+      & driver_x, driver_y, ground
    use limber_output_joint_forces, only: joint_force, driver_effort, joint_force_in_frame, frame_of
    use limber_multibody_plane_vectors, only: turn, along, cross
    use limber_multibody_system, only: system_type, workspace_type
@@ -164,7 +164,7 @@ contains
             if (.not. model%bodies(other)%reduced%is_exact) return
             if (model%bodies(body)%kind /= body_point .and. norm2(model%points(point)%p0 &
                & - model%points(model%joints(i)%points(side))%p0) > 0.0_wp) return
-            driven%slides = driven%slides .and. model%joints(i)%kind == joint_sliding
+            driven%slides = driven%slides .and. model%joints(i)%place == place_on_beam
          end do
       end do
       driven%axis = 1
@@ -310,7 +310,7 @@ contains
          own%largest = max(own%largest, abs([force, joint_force_in_frame(system, work, own%joint, q)]))
          axes = frame_of(system, system%constraints(own%joint)%item%bodies(2), q)
          ! All but hinges and welds take forces of one direction only
-         guided = joint_kinds(system%model%joints(own%joint)%kind)%place /= place_at_point
+         guided = system%model%joints(own%joint)%place /= place_at_point
       end associate
       if (guided) force = force/max(norm2(force), tiny(force))
       do i = 1, size(self%beams)

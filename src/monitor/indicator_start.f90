@@ -3,7 +3,6 @@
 module limber_monitor_indicator_start
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
-   use limber_deck_joint_kinds, only: joint_weld, joint_kinds, place_at_point, place_on_line, place_on_curve, place_on_beam
    use limber_monitor_function_watch, only: start_functions
    use limber_monitor_indicators, only: indicators_type, body_indicators_type, indicator_set_type
    use limber_monitor_false_damping, only: start_false_damping
@@ -12,7 +11,7 @@ module limber_monitor_indicator_start
    use limber_beam_quasistatic_deflection, only: new_quasistatic
    use limber_beam_monitored_sections, only: new_stations, patch_type
    use limber_model_distributed_loads, only: spread_parts
-   use limber_model_model, only: ground, body_rigid, body_type
+   use limber_model_model, only: place_at_point, place_on_line, place_on_curve, place_on_beam, ground, body_rigid, body_type
    use limber_model_quantities, only: quantity_shear_force, quantity_bending_moment, quantity_stress_top, &
       & quantity_stress_bottom, quantity_deflection, quantity_u1, quantity_u2, quantity_rotation, quantity_moment, &
       & quantity_axial_force, quantity_force_x, quantity_force_y, quantity_force_1, quantity_force_2
@@ -63,7 +62,7 @@ contains
       self%pulls = new_pulls(system)
       if (count == 0) return
       do i = 1, size(system%model%joints)
-         if (any(joint_kinds(system%model%joints(i)%kind)%place == [place_on_line, place_on_curve, place_on_beam])) &
+         if (any(system%model%joints(i)%place == [place_on_line, place_on_curve, place_on_beam])) &
             & self%fixed(2, i) = .false.
       end do
       do i = 1, size(system%constraints)
@@ -385,9 +384,9 @@ contains
                      associate (joint => system%model%joints(i), body => item%bodies(side))
                         bears = self%fixed(side, i) .and. joint%bears(side)
                         if (body /= ground) bears = bears .or. (joint%guides(side) .and. is_rigid_beam(system%model%bodies(body)))
-                        is_weld = joint%kind == joint_weld .and. joint%bears(side)
+                        is_weld = joint%is_weld() .and. joint%bears(side)
                      end associate
-                     if (joint_kinds(system%model%joints(i)%kind)%place == place_at_point) partner = item%bodies(3 - side)
+                     if (system%model%joints(i)%place == place_at_point) partner = item%bodies(3 - side)
                      if (partner > ground) then
                         if (is_base(system, partner)) partner = ground
                      end if

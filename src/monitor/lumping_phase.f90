@@ -5,11 +5,10 @@ module limber_monitor_lumping_phase
    use limber_base_kinds, only: wp
    use limber_base_finite, only: dsyev
    use limber_base_snapshot, only: snapshot_type
-   use limber_deck_joint_kinds, only: joint_weld, joint_kinds, place_at_point
    use limber_monitor_noise, only: noise_of
    use limber_beam_plane_frame, only: frame_type, beam_frame
    use limber_beam_mesh_forces, only: mass_error
-   use limber_model_model, only: body_type, ground
+   use limber_model_model, only: place_at_point, body_type, ground
    use limber_multibody_plane_vectors, only: along, turn
    use limber_multibody_system, only: system_type, workspace_type
    implicit none
@@ -207,7 +206,7 @@ contains
       integer :: i, k
       welded = .false.
       do i = 1, size(system%model%joints)
-         if (system%model%joints(i)%kind /= joint_weld) cycle
+         if (.not. system%model%joints(i)%is_weld()) cycle
          associate (item => system%constraints(i)%item, body => system%model%bodies(index))
             do k = 1, 2
                if (item%bodies(k) /= index .or. item%bodies(3 - k) == ground .or. item%points(k) == 0) cycle
@@ -229,7 +228,7 @@ contains
       real(wp) :: row(size(mass, 1), 3), weight(3)
       integer :: i, k, j, other
       do i = 1, size(system%model%joints)
-         if (joint_kinds(system%model%joints(i)%kind)%place /= place_at_point) cycle
+         if (system%model%joints(i)%place /= place_at_point) cycle
          associate (item => system%constraints(i)%item)
             do k = 1, 2
                if (item%bodies(k) /= index .or. item%points(k) == 0) cycle
@@ -241,7 +240,7 @@ contains
                   row(:, 2) = [0.0_wp, 1.0_wp, point%p0(1), point%phi(2, :self%n)]
                   row(:, 3) = [0.0_wp, 0.0_wp, 1.0_wp, point%psi(:self%n)]
                   weight = [reduced%mass, reduced%mass, 0.0_wp]
-                  if (system%model%joints(i)%kind == joint_weld) weight(3) = reduced%i0
+                  if (system%model%joints(i)%is_weld()) weight(3) = reduced%i0
                end associate
                do j = 1, size(mass, 2)
                   mass(:, j) = mass(:, j) + matmul(row, weight*row(j, :))

@@ -6,7 +6,6 @@ module limber_multibody_assembly
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text
-   use limber_deck_joint_kinds, only: joint_kinds
    use limber_deck_operations, only: jet_type
    use limber_model_driver_laws, only: driven_motion
    use limber_model_model, only: driver_angle, driver_joint_angle, ground
@@ -250,7 +249,7 @@ contains
          more = .false.
          do i = 1, size(system%model%joints)
             associate (joint => system%model%joints(i))
-               if (.not. (joint%has_turn .and. joint_kinds(joint%kind)%keeps_angle)) cycle
+               if (.not. (joint%has_turn .and. joint%keeps_angle)) cycle
                bodies = system%model%points(joint%points)%body
                if (any(bodies == ground) .or. (driven(bodies(1)) .eqv. driven(bodies(2)))) cycle
                if (.not. all(system%layout%framed(bodies))) cycle

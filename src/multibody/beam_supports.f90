@@ -4,7 +4,6 @@
 module limber_multibody_beam_supports
    use limber_base_kinds, only: wp
    use limber_base_finite, only: dsyev
-   use limber_deck_joint_kinds, only: joint_weld
    use limber_model_model, only: model_type, body_type, ground
    use limber_multibody_drivers, only: driven_angle_type
    use limber_multibody_free_motions, only: rate_scales
@@ -83,7 +82,7 @@ contains
                clamp = 0
             end select
             if (i > size(system%model%joints)) cycle
-            if (system%model%joints(i)%kind /= joint_weld) cycle
+            if (.not. system%model%joints(i)%is_weld()) cycle
             other = sum(item%bodies, mask=item%bodies /= body)
             call reach(system, other, body, reached)
             if (reached(ground)) then

@@ -2,17 +2,18 @@
 !> multibody. Source: doc/theory, eqs. (3.15), (3.16), (3.22)-(3.24), (3.28), (3.29).
 module limber_multibody_constraint_list
    use limber_base_kinds, only: wp
-   use limber_deck_joint_kinds, only: joint_revolute, joint_weld, joint_point_on_line, joint_translational, joint_rod, &
-      & joint_curve, joint_sliding, joint_gear, joint_rack, joint_belt, joint_coupler
-   use limber_model_model, only: joint_type, driver_type, term_type, body_flexible, ground, coordinate_joint_angle, &
-      & coordinate_displacement, driver_angle, driver_joint_angle, driver_distance, driver_displacement, driver_x, driver_y
+   use limber_model_model, only: joint_type, function_term_type, driver_type, term_type, body_flexible, ground, &
+      & place_on_curve, place_on_beam, place_on_line, function_component, function_displacement, function_parallel, &
+      & function_distance, function_section_angle, function_direction, coordinate_joint_angle, coordinate_displacement, &
+      & driver_angle, driver_joint_angle, driver_distance, driver_displacement, driver_x, driver_y
    use limber_multibody_constraint, only: constraint_type, constraint_item_type
    use limber_multibody_couplers, only: add_coupler
+   use limber_multibody_plane_vectors, only: axis_of
    use limber_multibody_drivers, only: driven_angle_type, driven_origin_type
    use limber_multibody_beam_path, only: beam_path_type
    use limber_multibody_point_joints, only: revolute_type, point_on_line_type
    use limber_multibody_function_constraints, only: linear_type
-   use limber_multibody_joint_functions, only: joint_function_type, measure_along, measure_angle
+   use limber_multibody_joint_functions, only: joint_function_type, measure_angle
    use limber_multibody_path_constraints, only: curve_joint_type
    use limber_multibody_sliding_paths, only: new_path, new_coordinate, slides
    use limber_multibody_marker_registry, only: registry_type, marker_of, angle_of, guessed_angle, guessed_position
@@ -37,18 +38,24 @@ contains
       type(constraint_item_type), allocatable, intent(inout) :: parts(:)
       type(joint_type) :: joint
       joint = system%model%joints(index)
-      select case (joint%kind)
-      case (joint_revolute); call add_revolute(system, joint, item)
-      case (joint_point_on_line, joint_translational, joint_weld, joint_rod); call add_guide(system, joint, item)
-      case (joint_gear, joint_belt); call add_wheels(system, joint, item)
-      case (joint_rack); call add_rack(system, joint, item)
-      case (joint_curve); call add_curve(system, joint, item)
-      case (joint_sliding); call add_sliding(system, joint, item)
-      case (joint_coupler); call add_coupler(system, index, item, parts)
+      if (joint%is_coupler()) then
+         call add_coupler(system, index, item, parts)
+         item%label = "coupler '"//joint%name//"'"
+         return
+      end if
+      select case (joint%place)
+      case (place_on_curve); call add_curve(system, joint, item)
+      case (place_on_beam); call add_sliding(system, joint, item)
+      case default
+         if (joint%is_hinge()) then
+            call add_revolute(system, joint, item)
+         else if (joint%place == place_on_line .and. .not. joint%keeps_angle .and. .not. bends(system, joint%points(2))) then
+            call add_line(system, joint, item)
+         else
+            call add_sums(system, joint, item)
+         end if
       end select
       item%label = "joint '"//joint%name//"'"
-      if (joint%kind == joint_coupler) item%label = "coupler '"//joint%name//"'"
-      if (joint%kind == joint_coupler) return
       item%scale = system%model%length
       item%bodies = [system%model%points(joint%points(1))%body, system%model%points(joint%points(2))%body]
       item%points = joint%points
@@ -65,79 +72,71 @@ contains
       allocate (item, source=revolute)
    end subroutine add_revolute
 
-   !> Joints of points and directions: a line, a guide, a weld, a rod.
-   subroutine add_guide(system, joint, item)
+   !> A point on a line of the ground, or of a body that does not bend at the line's point: closed form of `add_sums`.
+   subroutine add_line(system, joint, item)
       class(registry_type), intent(inout) :: system
       type(joint_type), intent(in) :: joint
       class(constraint_type), allocatable, intent(out) :: item
       type(point_on_line_type) :: line
-      type(linear_type) :: guide
-      if (joint%kind == joint_point_on_line .and. .not. bends(system, joint%points(2))) then
-         line%rows = 1
-         line%markers(1) = marker_of(system, joint%points(1))
-         line%markers(2) = marker_of(system, joint%points(2))
-         line%direction = [cos(joint%angle), sin(joint%angle)]
-         allocate (item, source=line)
-         return
-      end if
-      select case (joint%kind)
-      case (joint_weld)
-         call add_component(system, guide, joint%points, [1.0_wp, 0.0_wp], 1)
-         call add_component(system, guide, joint%points, [0.0_wp, 1.0_wp], 2)
-         call add_parallel(system, guide, joint, 3)
-      case (joint_rod)
-         call add_distance(system, guide, joint%points, 1)
-         guide%offset(1) = joint%length
-         if (.not. joint%has_length) guide%offset(1) = guessed_distance(system, joint%points)
-      case default
-         call add_displacement(system, guide, joint, joint%angle + right_angle, 1.0_wp)
-         if (joint%kind == joint_translational) call add_parallel(system, guide, joint, 2)
-      end select
-      allocate (item, source=guide)
-   end subroutine add_guide
+      line%rows = 1
+      line%markers(1) = marker_of(system, joint%points(1))
+      line%markers(2) = marker_of(system, joint%points(2))
+      line%direction = [cos(joint%angle), sin(joint%angle)]
+      allocate (item, source=line)
+   end subroutine add_line
 
-   !> Gears, and wheels under a belt: r1 (theta1 - psi) +- r2 (theta2 - psi) keeps its value, psi the direction from the first
-   !> centre to the second; minus where both turn in the same direction.
-   subroutine add_wheels(system, joint, item)
+   !> Equations that are sums of scalar functions, as the kind of the joint describes them.
+   subroutine add_sums(system, joint, item)
       class(registry_type), intent(inout) :: system
       type(joint_type), intent(in) :: joint
       class(constraint_type), allocatable, intent(out) :: item
-      type(linear_type) :: wheels
-      real(wp) :: radius(2)
-      integer :: side, centre(2)
-      radius = joint%radius
-      if (joint%same_direction) radius(2) = -radius(2)
-      wheels%rows = 1
-      do side = 1, 2
-         call add_section_angle(system, wheels, joint%points(side), radius(side), wheels%offset(1))
-         centre(side) = marker_of(system, joint%points(side))
+      type(linear_type) :: sums
+      real(wp) :: guess(3), side
+      integer :: i
+      guess = 0.0_wp
+      side = 1.0_wp
+      if (any(joint%functions%by_side)) then
+         if (guessed_place(system, joint%points, joint%angle + right_angle) < 0.0_wp) side = -1.0_wp
+      end if
+      do i = 1, size(joint%functions)
+         associate (term => joint%functions(i))
+            call add_function(system, sums, joint, term, merge(side, 1.0_wp, term%by_side)*term%coefficient, guess(term%row))
+         end associate
       end do
-      if (abs(sum(radius)) > 1.0e-12_wp*maxval(abs(radius))) then
-         call add_measure(wheels, joint_function_type(kind=measure_angle, vectors=[vector(wheels, centre(2)), vector(wheels, &
-            & centre(1)), &
-            & 0], angle=angle_of(system, centre(1), centre(2))), -sum(radius), 1)
-         wheels%offset(1) = wheels%offset(1) - sum(radius)*guessed_angle(system, centre(1), centre(2))
-      end if
-      allocate (item, source=wheels)
-   end subroutine add_wheels
+      if (.not. joint%zero) sums%offset(:sums%rows) = guess(:sums%rows)
+      if (joint%has_length) sums%offset(1) = joint%length
+      allocate (item, source=sums)
+   end subroutine add_sums
 
-   !> A pinion that rolls on a rack: xi + R (theta1 - theta2) keeps its value where the centre is on the left of the rack's line,
-   !> xi - R (...) where it is on the right, xi its place along the line.
-   subroutine add_rack(system, joint, item)
+   !> Adds a term of an equation, and its value in the first guess to a sum.
+   subroutine add_function(system, sums, joint, term, coefficient, guess)
       class(registry_type), intent(inout) :: system
+      type(linear_type), intent(inout) :: sums
       type(joint_type), intent(in) :: joint
-      class(constraint_type), allocatable, intent(out) :: item
-      type(linear_type) :: rack
-      real(wp) :: radius
-      radius = joint%radius(1)
-      if (guessed_place(system, joint%points, joint%angle + right_angle) < 0.0_wp) radius = -radius
-      rack%rows = 1
-      call add_displacement(system, rack, joint, joint%angle, 1.0_wp)
-      rack%offset(1) = guessed_place(system, joint%points, joint%angle)
-      call add_section_angle(system, rack, joint%points(1), radius, rack%offset(1))
-      call add_section_angle(system, rack, joint%points(2), -radius, rack%offset(1))
-      allocate (item, source=rack)
-   end subroutine add_rack
+      type(function_term_type), intent(in) :: term
+      real(wp), intent(in) :: coefficient
+      real(wp), intent(inout) :: guess
+      integer :: centre(2)
+      select case (term%function)
+      case (function_component)
+         call add_component(system, sums, joint%points, axis_of(term%angle), term%row)
+      case (function_displacement)
+         call add_displacement(system, sums, joint, term%angle, coefficient)
+         guess = guess + coefficient*guessed_place(system, joint%points, term%angle)
+      case (function_parallel)
+         call add_parallel(system, sums, joint, term%row)
+      case (function_distance)
+         call add_distance(system, sums, joint%points, term%row)
+         guess = guess + coefficient*guessed_distance(system, joint%points)
+      case (function_section_angle)
+         call add_section_angle(system, sums, joint%points(term%side), coefficient, guess)
+      case (function_direction)
+         centre = [marker_of(system, joint%points(1)), marker_of(system, joint%points(2))]
+         call add_measure(sums, joint_function_type(kind=measure_angle, vectors=[vector(sums, centre(2)), vector(sums, centre(1)), &
+            & 0], angle=angle_of(system, centre(1), centre(2))), coefficient, term%row)
+         guess = guess + coefficient*guessed_angle(system, centre(1), centre(2))
+      end select
+   end subroutine add_function
 
    !> A point on a curve in the section of the second body, its origin at the second point.
    subroutine add_curve(system, joint, item)
@@ -146,8 +145,12 @@ contains
       class(constraint_type), allocatable, intent(out) :: item
       type(curve_joint_type) :: path
       type(linear_type) :: axes
-      call add_displacement(system, axes, joint, joint%angle, 1.0_wp)
-      call add_displacement(system, axes, joint, joint%angle + right_angle, 1.0_wp)
+      real(wp) :: guess
+      integer :: i
+      guess = 0.0_wp
+      do i = 1, size(joint%functions)
+         call add_function(system, axes, joint, joint%functions(i), 1.0_wp, guess)
+      end do
       call take_measures(axes, path)
       path%curve = joint%curve
       allocate (item, source=path)

@@ -3,8 +3,7 @@
 !> doc/theory, eqs. (4.9)-(4.12).
 module limber_multibody_known_bodies
    use limber_base_kinds, only: wp
-   use limber_deck_joint_kinds, only: joint_kinds, place_on_line
-   use limber_model_model, only: ground, driver_x, driver_y, driver_displacement, driver_joint_angle
+   use limber_model_model, only: place_on_line, ground, driver_x, driver_y, driver_displacement, driver_joint_angle
    use limber_multibody_constraint, only: constraint_item_type, jacobian_type, new_jacobian
    use limber_multibody_drivers, only: driven_angle_type, driven_origin_type
    use limber_multibody_point_joints, only: revolute_type, point_on_line_type
@@ -124,8 +123,8 @@ contains
          type is (driven_origin_type)
          type is (linear_type)
             if (c <= joints) then
-               associate (kind => joint_kinds(registry%model%joints(c)%kind))
-                  suits = kind%keeps_angle .or. kind%place == place_on_line
+               associate (joint => registry%model%joints(c))
+                  suits = joint%keeps_angle .or. joint%place == place_on_line
                end associate
             else
                suits = any(registry%model%drivers(c - joints)%kind == [driver_x, driver_y, driver_displacement, driver_joint_angle])

@@ -12,6 +12,7 @@ module limber_multibody_load_list
       & gauge_angle
    use limber_multibody_load, only: load_type, load_item_type, dead_force_type, body_torque_type
    use limber_multibody_marker_registry, only: registry_type, marker_of, direction_of, angle_of, frame_point
+   use limber_multibody_plane_vectors, only: axis_of
    use limber_multibody_springs, only: point_spring_type
    implicit none
    private
@@ -124,14 +125,6 @@ contains
       type(load_part_type), intent(in) :: part
       may_resist = part%along /= along_follower .and. (part%stiffness > 0.0_wp .or. (part%driven .and. .not. part%is_of_time()))
    end function may_resist
-
-   !> Unit vector at an angle; exactly that of an axis of the ground at a whole number of quarters of a turn.
-   pure function axis_of(angle) result(axis)
-      real(wp), intent(in) :: angle
-      real(wp) :: axis(2)
-      axis = [cos(angle), sin(angle)]
-      if (any(abs(axis) < 4*epsilon(angle))) axis = anint(axis)
-   end function axis_of
 
    !> A force element: its gauges, and the bodies that these are on.
    subroutine add_element(system, part, item)

@@ -4,7 +4,7 @@ module limber_multibody_plane_vectors
    use limber_base_kinds, only: wp
    implicit none
    private
-   public :: turn, along, cross
+   public :: axis_of, turn, along, cross
 
 contains
 
@@ -29,5 +29,13 @@ contains
       real(wp), intent(in) :: a(2), b(2)
       cross = a(1)*b(2) - a(2)*b(1)
    end function cross
+
+   !> Unit vector at an angle; exactly that of an axis of the ground at a whole number of quarters of a turn.
+   pure function axis_of(angle) result(axis)
+      real(wp), intent(in) :: angle
+      real(wp) :: axis(2)
+      axis = [cos(angle), sin(angle)]
+      if (any(abs(axis) < 4*epsilon(angle))) axis = anint(axis)
+   end function axis_of
 
 end module limber_multibody_plane_vectors

@@ -2,8 +2,7 @@
 !> couplers. Floor: multibody. Source: doc/theory, eqs. (3.21)-(3.27).
 module limber_multibody_sliding_paths
    use limber_base_kinds, only: wp
-   use limber_deck_joint_kinds, only: joint_sliding
-   use limber_model_model, only: joint_type
+   use limber_model_model, only: place_on_beam, joint_type
    use limber_multibody_beam_path, only: beam_path_type
    use limber_multibody_function_constraints, only: linear_type
    use limber_multibody_function_sums, only: add_measure, vector, take_measures
@@ -24,7 +23,7 @@ contains
    !> Whether the point of a joint slides along a beam.
    pure logical function slides(joint)
       type(joint_type), intent(in) :: joint
-      slides = joint%kind == joint_sliding
+      slides = joint%place == place_on_beam
    end function slides
 
    !> A point stays on the line of a deforming beam; the second point names the beam, and where its coordinate is counted from.

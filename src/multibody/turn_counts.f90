@@ -3,7 +3,6 @@
 !> (3.10), (3.12).
 module limber_multibody_turn_counts
    use limber_base_kinds, only: wp
-   use limber_deck_joint_kinds, only: joint_kinds
    use limber_deck_operations, only: jet_type
    use limber_model_driver_laws, only: driven_motion
    use limber_model_model, only: driver_angle, driver_joint_angle, coordinate_angle, coordinate_joint_angle, ground
@@ -68,7 +67,7 @@ contains
          more = .false.
          do i = 1, size(system%model%joints)
             associate (joint => system%model%joints(i))
-               if (.not. joint_kinds(joint%kind)%keeps_angle) cycle
+               if (.not. joint%keeps_angle) cycle
                bodies = system%model%points(joint%points)%body
                if (any(bodies == ground)) cycle
                if (.not. all(system%layout%framed(bodies)) .or. (known(bodies(1)) .eqv. known(bodies(2)))) cycle

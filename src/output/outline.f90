@@ -4,11 +4,10 @@ module limber_output_outline
    use limber_base_kinds, only: wp
    use limber_beam_exact_beam, only: undeformed_place
    use limber_base_spline, only: spline_at
-   use limber_deck_joint_kinds, only: joint_curve, joint_belt, joint_kinds
    use limber_beam_plane_frame, only: member_length
    use limber_beam_frame_reduction, only: frame_point_shape
    use limber_beam_beam_reduction, only: point_shape
-   use limber_model_model, only: model_type, joint_type, body_point, body_flexible, load_spring
+   use limber_model_model, only: place_on_curve, model_type, joint_type, body_point, body_flexible
    use limber_output_drawn_coordinates, only: body_width, drawn_shape, drawn_place, named_places, stretches_of_beam
    use limber_output_motion_record, only: geometry_type, prepare
    use limber_multibody_plane_vectors, only: cross
@@ -235,7 +234,7 @@ contains
       type(model_type), intent(in) :: model
       type(geometry_type), intent(inout) :: geometry
       integer :: i, k, n
-      n = count(model%loads%kind == load_spring)
+      n = count([(len(model%loads(i)%symbol) > 0, i=1, size(model%loads))])
       do i = 1, size(model%joints)
          if (all(model%joints(i)%points > 0)) n = n + 1
       end do
@@ -248,34 +247,26 @@ contains
          if (any(model%joints(i)%points == 0)) cycle
          k = k + 1
          geometry%connections(k) = model%joints(i)%name
-         geometry%connection_types(k) = type_name(model%joints(i))
+         geometry%connection_types(k) = model%joints(i)%symbol
          if (index(model%joints(i)%name, '/') > 0) geometry%connection_types(k) = 'SEGMENTS'
          geometry%connection_places(:, k) = model%joints(i)%points
          geometry%connection_angles(k) = model%joints(i)%angle - model%points(model%joints(i)%points(2))%lean
          geometry%connection_radii(:, k) = model%joints(i)%radius
       end do
       do i = 1, size(model%loads)
-         if (model%loads(i)%kind /= load_spring) cycle
+         if (len(model%loads(i)%symbol) == 0) cycle
          k = k + 1
          geometry%connections(k) = model%loads(i)%name
-         geometry%connection_types(k) = 'SPRING'
+         geometry%connection_types(k) = model%loads(i)%symbol
          geometry%connection_places(:, k) = model%load_parts(model%loads(i)%first)%points
       end do
    end subroutine take_connections
-
-   !> What a joint is called; a belt that is crossed has a name of its own.
-   pure function type_name(joint) result(name)
-      type(joint_type), intent(in) :: joint
-      character(:), allocatable :: name
-      name = trim(joint_kinds(joint%kind)%word)
-      if (joint%kind == joint_belt .and. .not. joint%same_direction) name = 'CROSSED '//name
-   end function type_name
 
    !> Number of places along the curve of a joint; 0 if it has none, or one that has no ends, y of x.
    pure integer function places_of_curve(joint) result(places)
       type(joint_type), intent(in) :: joint
       places = 0
-      if (joint%kind == joint_curve .and. .not. joint%curve%explicit) places = per_knot*(size(joint%curve%s) - 1) + 1
+      if (joint%place == place_on_curve .and. .not. joint%curve%explicit) places = per_knot*(size(joint%curve%s) - 1) + 1
    end function places_of_curve
 
    !> Adds the curve of a joint, which belongs to the body of its second point.

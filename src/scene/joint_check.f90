@@ -4,9 +4,9 @@
 module limber_scene_joint_check
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
-   use limber_deck_joint_kinds, only: joint_rack, joint_kinds, place_on_curve, place_on_beam, place_rolling
    use limber_scene_outcome, only: outcome_type, warn
    use limber_output_joint_forces, only: joint_displacement
+   use limber_model_model, only: function_displacement, place_on_curve, place_on_beam, place_rolling
    use limber_multibody_plane_vectors, only: along, cross
    use limber_multibody_kinematics, only: place_frames
    use limber_multibody_path_constraints, only: curve_joint_type
@@ -24,7 +24,7 @@ contains
       integer :: i
       watches_joints = .false.
       do i = 1, size(system%model%joints)
-         watches_joints = watches_joints .or. any(joint_kinds(system%model%joints(i)%kind)%place == [place_rolling, place_on_beam, &
+         watches_joints = watches_joints .or. any(system%model%joints(i)%place == [place_rolling, place_on_beam, &
             & place_on_curve])
       end do
    end function watches_joints
@@ -42,7 +42,7 @@ contains
       if (first) allocate (outcome%centres(size(system%model%joints)), source=0.0_wp)
       do i = 1, size(system%model%joints)
          if (outcome%centres(i) < 0.0_wp) cycle
-         select case (joint_kinds(system%model%joints(i)%kind)%place)
+         select case (system%model%joints(i)%place)
          case (place_rolling)
             call check_centres(system, i, t, q, first, outcome)
          case (place_on_beam)
@@ -144,7 +144,8 @@ contains
          gap = point_position(system%model, system%layout, points(own%points(1)), q) - point_position(system%model, &
             & system%layout, points(own%points(2)), q)
          distance = norm2(gap)
-         if (own%kind == joint_rack) distance = sqrt(max(0.0_wp, dot_product(gap, gap) - joint_displacement(system, joint, q)**2))
+         if (any(own%functions%function == function_displacement)) distance = sqrt(max(0.0_wp, dot_product(gap, gap) &
+            & - joint_displacement(system, joint, q)**2))
       end associate
    end function centre_distance
 

@@ -378,8 +378,10 @@ end module fuzzing
 program fuzz_decks
    use, intrinsic :: iso_fortran_env, only: output_unit
    use limber_base_text, only: as_text
+   use limber_deck_keywords, only: load_language
    use fuzzing, only: text_type, tally_type, mutant, try_deck, try_run, read_text, set_alarm, patience
    implicit none
+   call load_language()
    call main()
 
 contains

@@ -4,7 +4,8 @@ module scenes
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
    use limber_deck_expression, only: expression_type
-   use limber_deck_joint_kinds, only: joint_revolute, joint_point_on_line
+   use limber_deck_keywords, only: load_language
+   use limber_model_joint_kind, only: describe_joint
    use limber_deck_operations, only: first_function, function_names, op_add, op_constant, op_multiply, op_slot
    use limber_beam_plane_frame, only: frame_type, member_type, new_frame
    use limber_beam_frame_reduction, only: frame_choice_type, frame_point_shape, reduce_frame
@@ -15,7 +16,12 @@ module scenes
       & load_part_type, model_type, point_type, along_axis, along_distance, along_angle
    implicit none
    private
-   public :: random, constant_law, wavy_law, ramp_law, gauss_point, gauss_weight, derivative, second_derivative
+   !> Kinds of joints, by their words in the deck
+   integer, parameter, public :: joint_revolute = 1, joint_point_on_line = 2, joint_translational = 3, joint_weld = 4, &
+      & joint_rod = 5, joint_curve = 6, joint_sliding = 7, joint_gear = 8, joint_rack = 9, joint_belt = 10, joint_coupler = 11
+   character(14), parameter :: joint_words(10) = [character(14) :: 'REVOLUTE', 'POINT ON LINE', 'TRANSLATIONAL', 'WELD', 'ROD', &
+      & 'POINT ON CURVE', 'SLIDING', 'GEAR', 'RACK', 'BELT']
+   public :: describe, random, constant_law, wavy_law, ramp_law, gauss_point, gauss_weight, derivative, second_derivative
    public :: empty_model, add_rigid, add_point_mass, add_beam, add_place, add_beam_place, add_joint, join, add_driver, add_force
    public :: add_spring, add_torque
    public :: slider_crank, add_frame, add_frame_place, l_frame
@@ -284,11 +290,24 @@ contains
       allocate (longer(n))
       longer(:n - 1) = model%joints
       longer(n)%name = name
-      longer(n)%kind = kind
       longer(n)%points = [first, second]
       if (present(angle)) longer(n)%angle = angle
+      call describe(longer(n), kind)
       call move_alloc(longer, model%joints)
    end subroutine add_joint
+
+   !> Writes the equations of a joint by its kind and sizes; a coupler has terms.
+   subroutine describe(joint, kind)
+      type(joint_type), intent(inout) :: joint
+      integer, intent(in) :: kind
+      if (kind == joint_coupler) then
+         allocate (joint%terms(0))
+         return
+      end if
+      call load_language()
+      if (allocated(joint%functions)) deallocate (joint%functions)
+      call describe_joint(joint_words(kind), joint)
+   end subroutine describe
 
    !> Adds a joint and its two points; a place on a beam is that along it.
    subroutine join(model, name, kind, first, at, second, place, angle)

@@ -2,12 +2,11 @@
 module swings
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
-   use limber_deck_joint_kinds, only: joint_revolute
    use limber_integrator_integrator, only: integrator_type
    use limber_model_model, only: ground, model_type
    use limber_multibody_assembly, only: assemble, first_guess
    use limber_multibody_system, only: new_system, new_workspace, system_type, workspace_type
-   use scenes, only: add_rigid, empty_model, join
+   use scenes, only: joint_revolute, add_rigid, empty_model, join
    use testing, only: check_no_error
    implicit none
    private

@@ -3,7 +3,6 @@
 program test_adams
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
-   use limber_deck_joint_kinds, only: joint_revolute, joint_point_on_line
    use limber_beam_beam_mesh, only: beam_type, new_support, nodal_masses
    use limber_beam_beam_reduction, only: fidelity_kg, fidelity_linear, reduction_type
    use limber_integrator_adams, only: adams_type
@@ -14,7 +13,8 @@ program test_adams
    use limber_multibody_kinematics, only: move_frames, place_frames
    use limber_multibody_multiplier_system, only: update_jacobians
    use limber_multibody_system, only: new_system, new_workspace, system_type, workspace_type
-   use scenes, only: add_beam, add_driver, add_force, add_point_mass, add_place, add_rigid, empty_model, gauss_point, &
+   use scenes, only: joint_revolute, joint_point_on_line, add_beam, add_driver, add_force, add_point_mass, add_place, &
+      & add_rigid, empty_model, gauss_point, &
       & gauss_weight, join, ramp_law, wavy_law
    use swings, only: begin, g, pendulum, period, place, swing_of
    use testing, only: check, check_close, check_no_error, finish

@@ -3,10 +3,9 @@
 program test_assembly
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
-   use limber_deck_joint_kinds, only: joint_revolute, joint_point_on_line
    use limber_beam_beam_mesh, only: beam_type, new_support
    use limber_beam_beam_reduction, only: fidelity_linear, reduction_type
-   use limber_model_model, only: ground, model_type
+   use limber_model_model, only: place_on_line, ground, model_type
    use limber_multibody_assembly, only: assemble, first_guess
    use limber_multibody_equations_of_motion, only: accelerations, linearise, mechanical_energy, position_residual, velocity_residual
    use limber_multibody_kinematics, only: move_frames, place_frames
@@ -16,7 +15,8 @@ program test_assembly
    use limber_multibody_redundant_constraints, only: constraint_names
    use limber_multibody_compliant_constraints, only: soften_constraints
    use limber_multibody_system, only: new_system, new_workspace, system_type, workspace_type
-   use scenes, only: add_beam, add_driver, add_joint, add_point_mass, add_rigid, constant_law, empty_model, join, wavy_law
+   use scenes, only: joint_revolute, joint_point_on_line, add_beam, add_driver, add_joint, add_point_mass, add_rigid, &
+      & constant_law, empty_model, join, wavy_law
    use testing, only: check, check_close, check_no_error, check_text, finish
    implicit none
    !> What counts as assembled, relative to the scene
@@ -93,7 +93,7 @@ contains
                & - point_position(system%model, system%layout, points(joint%points(2)), q)
             slip = point_velocity(system%model, system%layout, points(joint%points(1)), q, v) &
                & - point_velocity(system%model, system%layout, points(joint%points(2)), q, v)
-            if (joint%kind == joint_point_on_line) then
+            if (joint%place == place_on_line) then
                ! All lines here lie on the ground
                gap = [cos(joint%angle)*gap(2) - sin(joint%angle)*gap(1), 0.0_wp]
                slip = [cos(joint%angle)*slip(2) - sin(joint%angle)*slip(1), 0.0_wp]

@@ -5,7 +5,6 @@ program test_conserving
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
-   use limber_deck_joint_kinds, only: joint_revolute, joint_point_on_line
    use limber_beam_frame_reduction, only: frame_choice_type
    use limber_beam_beam_mesh, only: beam_type, new_support
    use limber_beam_beam_reduction, only: fidelity_kg, fidelity_linear, reduction_type
@@ -19,7 +18,8 @@ program test_conserving
    use limber_multibody_equations_of_motion, only: mechanical_energy, position_residual
    use limber_multibody_kinematics, only: place_frames
    use limber_multibody_system, only: new_system, new_workspace, system_type, workspace_type
-   use scenes, only: add_beam, add_beam_place, add_driver, add_force, add_frame, add_place, add_point_mass, add_rigid, &
+   use scenes, only: joint_revolute, joint_point_on_line, add_beam, add_beam_place, add_driver, add_force, add_frame, &
+      & add_place, add_point_mass, add_rigid, &
       & add_spring, add_torque, empty_model, join, l_frame, slider_crank, wavy_law
    use swings, only: g, pendulum, place
    use testing, only: check, check_close, check_no_error, finish
@@ -29,7 +29,8 @@ program test_conserving
    !> A run: state at its end and what went by at steps
    type :: run_type
       real(wp), allocatable :: q(:), v(:)
-      !> Largest changes: energy less work of the forces of the steps over the largest energy, linear over the largest linear momentum, angular over
+      !> Largest changes: energy less work of the forces of the steps over the largest energy, linear over the largest linear
+      !> momentum, angular over
       !> the largest angular momentum or |r| |p| of which it is made
       real(wp) :: energy = 0.0_wp, linear = 0.0_wp, angular = 0.0_wp
       !> Energy less the work that the laws of the loads do along the way, over the largest energy

@@ -4,7 +4,6 @@ program test_constraints
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
    use limber_base_lapack, only: dgetrf, dgetrs
-   use limber_deck_joint_kinds, only: joint_revolute, joint_point_on_line, joint_sliding, joint_coupler
    use limber_beam_exact_functions, only: exact_choice_type
    use limber_beam_beam_mesh, only: beam_type, concentrate, new_support
    use limber_beam_beam_reduction, only: fidelity_exact, fidelity_kg, fidelity_linear, reduction_type
@@ -19,7 +18,8 @@ program test_constraints
    use limber_multibody_point_motion, only: point_acceleration, point_position, point_velocity
    use limber_multibody_multiplier_system, only: update_jacobians
    use limber_multibody_system, only: new_system, new_workspace, system_type, workspace_type
-   use scenes, only: add_beam, add_beam_place, add_driver, add_force, add_joint, add_place, add_point_mass, add_rigid, &
+   use scenes, only: joint_revolute, joint_point_on_line, joint_sliding, joint_coupler, add_beam, add_beam_place, add_driver, &
+      & add_force, add_joint, add_place, add_point_mass, add_rigid, &
       & derivative, empty_model, random, second_derivative, wavy_law
    use testing, only: check, check_close, check_no_error, finish
    implicit none

@@ -3,7 +3,6 @@
 program test_equilibrium
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
-   use limber_deck_joint_kinds, only: joint_revolute
    use limber_beam_beam_mesh, only: beam_type, new_support
    use limber_beam_beam_reduction, only: fidelity_kg, fidelity_linear, reduction_type
    use limber_model_model, only: model_type, ground
@@ -20,7 +19,7 @@ program test_equilibrium
    use limber_multibody_system, only: new_system, new_workspace, system_type, workspace_type
    use limber_multibody_tangent_products, only: times_stiffness
    use limber_multibody_small_vibrations, only: find_large_vibrations, find_vibrations, no_damping, vibrations_type
-   use scenes, only: add_beam, add_driver, constant_law, derivative, empty_model, join, random, slider_crank
+   use scenes, only: joint_revolute, add_beam, add_driver, constant_law, derivative, empty_model, join, random, slider_crank
    use testing, only: check, check_close, check_no_error, finish
    implicit none
    real(wp), parameter :: t = 0.37_wp, step = 1.0e-3_wp

@@ -5,7 +5,7 @@ program test_examples
    use limber_base_text, only: newline
    use limber_deck_examples, only: example_text
    use limber_deck_keyword_help, only: help_text, manual_text
-   use limber_deck_keywords, only: keyword_table
+   use limber_deck_keywords, only: keyword_table, load_language
    use limber_scene_first_scene, only: read_scene
    use limber_scene_scene, only: scene_type
    use testing, only: check, check_no_error, finish
@@ -26,6 +26,7 @@ contains
       type(file_type), allocatable :: decks(:)
       character(512) :: path
       integer :: i
+      call load_language()
       allocate (decks(command_argument_count()))
       do i = 1, size(decks)
          call get_command_argument(i, path)

@@ -4,7 +4,6 @@ program test_forest
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
-   use limber_deck_joint_kinds, only: joint_revolute, joint_point_on_line
    use limber_beam_beam_mesh, only: beam_type, new_support
    use limber_beam_beam_reduction, only: fidelity_kg, fidelity_linear, reduction_type
    use limber_model_model, only: ground, model_type
@@ -22,7 +21,8 @@ program test_forest
    use limber_multibody_system, only: new_system, new_workspace, system_type, workspace_type
    use limber_multibody_tangent, only: combine, new_tangent, tangent_type
    use limber_multibody_tangent_products, only: times_mass
-   use scenes, only: add_beam, add_beam_place, add_joint, add_place, add_point_mass, add_rigid, add_torque, constant_law, &
+   use scenes, only: joint_revolute, joint_point_on_line, add_beam, add_beam_place, add_joint, add_place, add_point_mass, &
+      & add_rigid, add_torque, constant_law, &
       & empty_model, random
    use testing, only: check, check_close, check_no_error, finish
    implicit none

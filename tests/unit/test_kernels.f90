@@ -17,8 +17,6 @@ program test_kernels
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_reader, only: read_deck_text
    use limber_base_text, only: newline
-   use limber_deck_joint_kinds, only: joint_revolute, joint_weld, joint_point_on_line, joint_translational, joint_rod, &
-      & joint_curve, joint_sliding, joint_gear, joint_rack, joint_belt, joint_coupler
    use limber_model_law_breaks, only: law_breaks
    use limber_multibody_discrete_motion, only: step_residual
    use limber_multibody_drivers, only: driven_origin_type
@@ -30,7 +28,9 @@ program test_kernels
    use limber_multibody_discrete_step, only: begin_step, new_step, discrete_step_type
    use limber_multibody_system, only: new_system, new_workspace, system_type, workspace_type
    use limber_multibody_tangent, only: new_tangent, tangent_type
-   use scenes, only: add_beam, add_beam_place, add_driver, add_joint, add_place, add_point_mass, add_rigid, derivative, &
+   use scenes, only: describe, joint_revolute, joint_weld, joint_point_on_line, joint_translational, joint_rod, &
+      & joint_curve, joint_sliding, joint_gear, joint_rack, joint_belt, joint_coupler, add_beam, &
+      & add_beam_place, add_driver, add_joint, add_place, add_point_mass, add_rigid, derivative, &
       & empty_model, random, second_derivative, wavy_law
    use testing, only: check, check_close, check_no_error, finish
    implicit none
@@ -244,6 +244,7 @@ contains
       associate (joint => model%joints(size(model%joints)))
          joint%radius = [0.4_wp, 0.25_wp]
          joint%same_direction = modulo(size(model%joints), 2) == 0
+         call describe(joint, kind)
          if (kind == joint_curve .and. joint%same_direction) then
             joint%curve = expression_curve(wavy_law(0.1_wp, 0.2_wp, 0.1_wp, 0.9_wp))
          else if (kind == joint_curve) then

@@ -5,7 +5,6 @@ program test_radau
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
-   use limber_deck_joint_kinds, only: joint_revolute
    use limber_beam_beam_mesh, only: beam_type, new_support
    use limber_beam_beam_reduction, only: fidelity_kg, fidelity_linear, reduction_type
    use limber_integrator_adams, only: adams_type
@@ -18,7 +17,7 @@ program test_radau
    use limber_multibody_kinematics, only: move_frames, place_frames
    use limber_multibody_multiplier_system, only: update_jacobians
    use limber_multibody_system, only: new_system, new_workspace, system_type, workspace_type
-   use scenes, only: add_beam, add_rigid, empty_model, join, slider_crank
+   use scenes, only: joint_revolute, add_beam, add_rigid, empty_model, join, slider_crank
    use swings, only: begin, g, pendulum, place, swing_of
    use testing, only: check, check_close, check_no_error, finish
    implicit none

@@ -4,14 +4,14 @@ program test_recursion
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
-   use limber_deck_joint_kinds, only: joint_revolute, joint_point_on_line
    use limber_model_model, only: model_type, ground
    use limber_multibody_equations_of_motion, only: linearise, accelerations, position_residual, velocity_residual
    use limber_multibody_kinematics, only: place_frames
    use limber_multibody_multiplier_system, only: update_jacobians
    use limber_multibody_articulated_rigid, only: articulated_rigid_type, new_recursion, recursive_accelerations, recursive_settle
    use limber_multibody_system, only: system_type, workspace_type, new_system, new_workspace
-   use scenes, only: random, empty_model, add_rigid, add_point_mass, join, add_spring, add_place, constant_law, add_torque
+   use scenes, only: joint_revolute, joint_point_on_line, random, empty_model, add_rigid, add_point_mass, join, add_spring, &
+      & add_place, constant_law, add_torque
    use testing, only: check, check_close, check_no_error, finish
    implicit none
    real(wp), parameter :: nil(2) = [0.0_wp, 0.0_wp]

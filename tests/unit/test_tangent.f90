@@ -4,7 +4,6 @@
 program test_tangent
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
-   use limber_deck_joint_kinds, only: joint_revolute, joint_point_on_line
    use limber_beam_elastic_forces, only: elastic_force, elastic_tangent
    use limber_beam_frame_reduction, only: frame_choice_type
    use limber_beam_exact_functions, only: exact_choice_type
@@ -18,7 +17,8 @@ program test_tangent
    use limber_multibody_system, only: new_system, new_workspace, system_type, workspace_type
    use limber_multibody_tangent, only: combine, new_tangent, tangent_type
    use limber_multibody_tangent_products, only: times_mass, times_stiffness
-   use scenes, only: add_beam, add_beam_place, add_driver, add_force, add_frame, add_frame_place, add_joint, add_place, &
+   use scenes, only: joint_revolute, joint_point_on_line, add_beam, add_beam_place, add_driver, add_force, add_frame, &
+      & add_frame_place, add_joint, add_place, &
       & add_point_mass, add_rigid, derivative, empty_model, l_frame, random, slider_crank, wavy_law
    use testing, only: check, check_close, check_no_error, finish
    implicit none

@@ -3,12 +3,11 @@ program test_watch
    use limber_base_kinds, only: wp
    use limber_monitor_run_monitor, only: jump_watch_type, start_watch, watch_velocities
    use limber_base_error, only: error_type
-   use limber_deck_joint_kinds, only: joint_revolute
    use limber_integrator_fold_crossing, only: crossing_type, find_weakest, new_crossing
    use limber_model_model, only: ground, model_type
    use limber_multibody_equations_of_motion, only: linearise
    use limber_multibody_system, only: new_system, new_workspace, system_type, workspace_type
-   use scenes, only: add_driver, add_rigid, constant_law, empty_model, join
+   use scenes, only: joint_revolute, add_driver, add_rigid, constant_law, empty_model, join
    use testing, only: check, check_close, check_no_error, finish
    implicit none
    real(wp), parameter :: nil(2) = [0.0_wp, 0.0_wp]

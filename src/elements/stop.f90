@@ -1,0 +1,179 @@
+!> One-sided stops: end of travel, joint limits, ropes that go slack: *STOP. Floor: elements. Source: doc/theory, section 3.9.
+module limber_elements_stop
+   use limber_base_kinds, only: wp
+   use limber_base_text, only: as_text
+   use limber_deck_compile, only: compile
+   use limber_deck_content, only: deck_type, block_type
+   use limber_deck_diagnostics, only: diagnostics_type
+   use limber_deck_expression, only: expression_type
+   use limber_deck_parameters, only: parameter_list_type
+   use limber_deck_schema, only: keyword_type, option_spec_type, field_spec_type, word_spec_type, keyword_rows_type, many, needed, &
+      & kind_name, kind_reference, kind_real, kind_positive, kind_nonnegative, kind_point, form_fields
+   use limber_model_element, only: element_type
+   use limber_model_joint_list, only: find_joint
+   use limber_model_load_parts, only: new_part, set_law, append_part, name_load, describe_load, find_pair
+   use limber_model_model, only: model_type, load_part_type, along_angle, along_distance, along_slide, place_on_line
+   use limber_model_points_of_action, only: acting_type, enter, along_joint, has_pair
+   implicit none
+   private
+   public :: stop_element_type, stop_element
+
+   type(keyword_type), parameter :: keyword = &
+      & keyword_type('STOP', many, form_fields, 0, 1, &
+      &    'A one-sided stop: a spring that acts beyond a limit alone, of the distance of two points or of a joint')
+   !> Options: kind, values, unit, default, meaning
+   type(option_spec_type), parameter :: options(*) = [ &
+      & option_spec_type('STOP', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the stop'), &
+      & option_spec_type('STOP', 'JOINT', kind_reference, 'JOINT', '', '', &
+      &    'REVOLUTE: limits of joint_angle, turns counted; POINT ON LINE, TRANSLATIONAL: limits of displacement'), &
+      & option_spec_type('STOP', 'LEAST', kind_real, '', 'm, rad', '', 'limit below which it pushes; this or MOST, or both'), &
+      & option_spec_type('STOP', 'MOST', kind_real, '', 'm, rad', '', &
+      & 'limit above which it pulls: a rope that goes slack; elongation counts from LEAST, else from MOST'), &
+      & option_spec_type('STOP', 'STIFFNESS', kind_positive, '', 'N/m, N m/rad', needed, 'force for each unit beyond the limit'), &
+      & option_spec_type('STOP', 'DAMPING', kind_nonnegative, '', 's/m, s/rad', '0', &
+      &    'the force grows by this part for each unit of speed into the stop, and never pulls back (Hunt and Crossley)')]
+   !> Fields of its data lines
+   type(field_spec_type), parameter :: fields(*) = [ &
+      & field_spec_type('STOP', 'first point', kind_point, '', 'body.point: the distance of the points has the limits'), &
+      & field_spec_type('STOP', 'second point', kind_point, '', 'body.point')]
+   !> An example, as it stands in a deck of the tests
+   character(*), parameter :: example(*) = [character(110) :: &
+      & '*STOP, NAME=buffer, JOINT=left-guide, LEAST=-2, MOST=5, STIFFNESS=2e5, DAMPING=0.3']
+
+   type, extends(element_type) :: stop_element_type
+   contains
+      procedure :: rows
+      procedure :: read
+      procedure :: act
+   end type stop_element_type
+
+contains
+
+   type(stop_element_type) function stop_element() result(element)
+      element%keyword = 'STOP'
+      element%round = 2
+   end function stop_element
+
+   function rows(self) result(all)
+      class(stop_element_type), intent(in) :: self
+      type(keyword_rows_type) :: all
+      all = keyword_rows_type(keyword, options, fields, [word_spec_type ::], example)
+   end function rows
+
+   !> Adds one part, along the distance of the points or the coordinate of the joint.
+   subroutine read(self, deck, index, model, diagnostics)
+      class(stop_element_type), intent(in) :: self
+      type(deck_type), intent(in) :: deck
+      integer, intent(in) :: index
+      type(model_type), intent(inout) :: model
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(load_part_type) :: part
+      type(expression_type) :: law
+      integer :: before
+      before = diagnostics%count
+      associate (block => deck%blocks(index))
+         call check_limits(block, diagnostics)
+         call find_scalar(block, model, part, diagnostics)
+         if (diagnostics%count > before) return
+         part%origin = origin(block)
+         call write_law(block, law, diagnostics)
+         call set_law(part, law, 1.0_wp)
+         call append_part(model, part)
+         call name_load(model, block%name(), size(model%load_parts))
+         call describe_load(model, stretches=.true., angular=part%along == along_angle)
+      end associate
+   end subroutine read
+
+   !> Reports a stop without limits, and limits in the wrong order.
+   subroutine check_limits(block, diagnostics)
+      type(block_type), intent(in) :: block
+      type(diagnostics_type), intent(inout) :: diagnostics
+      if (.not. block%given('LEAST') .and. .not. block%given('MOST')) then
+         call diagnostics%add(block%origin, "stop '"//block%name()//"' has no limit", 'add LEAST= or MOST=')
+      else if (block%given('LEAST') .and. block%given('MOST') .and. block%real('LEAST') > block%real('MOST')) then
+         call diagnostics%add(block%origin_of('LEAST'), "stop '"//block%name()//"': LEAST is above MOST", 'exchange them')
+      end if
+   end subroutine check_limits
+
+   !> Finds the scalar that has the limits: the distance of two points, or the coordinate of a joint.
+   subroutine find_scalar(block, model, part, diagnostics)
+      type(block_type), intent(in) :: block
+      type(model_type), intent(in) :: model
+      type(load_part_type), intent(out) :: part
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: points(2), i
+      if (block%has('JOINT') .eqv. size(block%lines) == 1) then
+         call diagnostics%add(block%origin, "stop '"//block%name()//"' needs JOINT or two points, one of them", &
+            & 'add JOINT=, or a data line: first point, second point')
+      else if (block%has('JOINT')) then
+         i = find_joint(model, block%name('JOINT'))
+         if (i == 0) return
+         associate (joint => model%joints(i))
+            if (joint%is_hinge()) then
+               part = new_part(along_angle, joint%points(1), joint%points(2))
+            else if (joint%place == place_on_line) then
+               part = new_part(along_slide, joint%points(1), joint%points(2))
+               part%angle = joint%angle
+            else
+               call diagnostics%add(block%origin_of('JOINT'), "there is no stop in joint '"//joint%name//"'", &
+                  & 'it is for joints of the types REVOLUTE, TRANSLATIONAL and POINT ON LINE')
+            end if
+         end associate
+      else
+         call find_pair(block, model, points, diagnostics)
+         if (any(points == 0)) return
+         part = new_part(along_distance, points(1), points(2))
+         if (model%points(points(1))%body == model%points(points(2))%body) call diagnostics%add(block%lines(1)%origin_of(2), &
+            & "stop '"//block%name()//"' acts between two points of one body", 'name points of two different bodies')
+      end if
+   end subroutine find_scalar
+
+   !> The limit from which its elongation and its energy are counted: LEAST if there is one, else MOST.
+   pure real(wp) function origin(block)
+      type(block_type), intent(in) :: block
+      origin = block%real(trim(merge('LEAST', 'MOST ', block%given('LEAST'))))
+   end function origin
+
+   !> The force along the scalar, by its elongation x from the first limit and its rate v: zero between the limits, and never
+   !> towards
+   !> the stop.
+   subroutine write_law(block, law, diagnostics)
+      type(block_type), intent(in) :: block
+      type(expression_type), intent(out) :: law
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(parameter_list_type) :: none
+      character(:), allocatable :: text
+      logical :: ok
+      text = ''
+      if (block%given('LEAST')) text = side('1', '-x', '-')
+      if (block%given('MOST')) text = text//side('-1', 'x - ('//as_text(block%real('MOST') - origin(block))//')', '+')
+      call compile(text, block%origin, none, law, ok, diagnostics, time=.true., variables=['x', 'v'])
+
+   contains
+
+      !> Force at one limit: its direction, depth beyond the limit, sign of the speed into the stop.
+      function side(direction, depth, sign)
+         character(*), intent(in) :: direction, depth, sign
+         character(:), allocatable :: side
+         side = '+('//direction//')*'//as_text(block%real('STIFFNESS'))//'*max(0, '//depth//')'
+         if (block%real('DAMPING') > 0.0_wp) side = side//'*max(0, 1 '//sign//' '//as_text(block%real('DAMPING'))//'*v)'
+      end function side
+
+   end subroutine write_law
+
+   !> The points of its joint, or both points.
+   subroutine act(self, deck, block, body, points)
+      class(stop_element_type), intent(in) :: self
+      type(deck_type), intent(in) :: deck
+      type(block_type), intent(in) :: block
+      character(*), intent(in) :: body
+      type(acting_type), allocatable, intent(inout) :: points(:)
+      integer :: k
+      if (block%has('JOINT')) call along_joint(deck, block%name('JOINT'), body, points)
+      if (.not. has_pair(block)) return
+      do k = 1, 2
+         call enter(block%lines(1)%text(k), body, .true., .false., points)
+      end do
+   end subroutine act
+
+end module limber_elements_stop

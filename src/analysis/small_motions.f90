@@ -111,6 +111,13 @@ contains
             first = system%layout%w(i)
             n = system%layout%rates(i)
             largest = max(largest, maxval(abs(work%bodies(i)%force(:n)*scale(first:first + n - 1))))
+            ! What round-off of the deflections makes of a stiff body that bears nothing
+            associate (stiffness => balance%tangent%bodies(i)%stiffness)
+               do k = 1, size(stiffness, 2)
+                  largest = max(largest, places*scale(first + k - 1)*maxval(abs(stiffness(:, k)*scale(first:first &
+                     & + size(stiffness, 1) - 1))))
+               end do
+            end associate
          end do
          do i = 1, size(work%loads)
             if (size(work%loads(i)%force) == 0) cycle

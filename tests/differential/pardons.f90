@@ -7,7 +7,7 @@ module pardons
    use couplings, only: places, angles, speeds, spins, accelerations, forces, moments, energies, stresses, powers
    implicit none
    private
-   public :: pardoned, without_near_ones, keeps_up, is_of_run
+   public :: pardoned, without_near_ones, keeps_up, is_of_run, tells_of_vibrations
 
    !> Multiple of what is told that a channel may be off
    real(wp), parameter :: multiple = 5.0_wp
@@ -97,6 +97,12 @@ contains
       character(*), intent(in) :: warnings
       keeps_up = index(warnings, kept_words) > 0
    end function keeps_up
+
+   !> Whether a run tells of vibrations that its integrator keeps up or does not follow.
+   pure logical function tells_of_vibrations(warnings)
+      character(*), intent(in) :: warnings
+      tells_of_vibrations = keeps_up(warnings) .or. index(warnings, unfollowed_words) > 0
+   end function tells_of_vibrations
 
    !> Whether a warning is of one run by one integrator, which another run of the same scene need not share: what functions make of
    !> vibrations that the integrator has made is one, too.

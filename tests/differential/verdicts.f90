@@ -5,7 +5,7 @@ module verdicts
    use limber_base_text, only: as_text, newline
    use comparisons, only: verdict_type, scales_type, find_scales, compare, allowed_by
    use drafts, only: draft_type
-   use pardons, only: without_near_ones, is_of_run
+   use pardons, only: without_near_ones, is_of_run, tells_of_vibrations
    use plans, only: plan_type, deck_of, large_change
    use trials, only: candidate_type, try, kinds_of_warnings, patience
    use views, only: view_type, seen_again
@@ -150,7 +150,8 @@ contains
       end subroutine disagree
 
       !> Warnings of a view that the base has not, or the other way round, unless a changed scene is on the other side too. A warning
-      !> of one run may be missing in another whose numbers are right without it.
+      !> of one run may be missing in another whose numbers are right without it, or which tells of vibrations in the words of another
+      !> integrator: AUTO may choose one in a view and another in the next.
       subroutine compare_warnings(view)
          type(view_type), intent(in) :: view
          character(:), allocatable :: more, fewer
@@ -160,10 +161,16 @@ contains
          more = missing_line(scales%idle, other, base)
          fewer = missing_line(scales%idle, base, other)
          if (is_of_run(more, other%warnings)) then
-            if (is_right(plan%base, base)) more = ''
+            if (tells_of_vibrations(base%warnings)) more = ''
+            if (more /= '') then
+               if (is_right(plan%base, base)) more = ''
+            end if
          end if
          if (is_of_run(fewer, base%warnings)) then
-            if (is_right(view, other)) fewer = ''
+            if (tells_of_vibrations(other%warnings)) fewer = ''
+            if (fewer /= '') then
+               if (is_right(view, other)) fewer = ''
+            end if
          end if
          if (more == '' .and. fewer == '') return
          do sign = -1, 1, 2

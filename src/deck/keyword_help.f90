@@ -10,7 +10,7 @@ module limber_deck_keyword_help
       & keyword_words, find_keyword, load_language
    implicit none
    private
-   public :: help_text, manual_text
+   public :: help_text, manual_text, asks_for_modes
 
    !> What expressions are made with
    character(*), parameter :: operators = '+ - * / and ** (power), parentheses'
@@ -21,14 +21,17 @@ contains
 
    !> Help on a keyword; the list of all keywords if it is empty or unknown. Without a trailing line feed.
    function help_text(keyword) result(text)
-      !> In any case, without the asterisk
+      !> In any case, without the asterisk; behind BEAM or FRAME the word MODES asks for the options of bodies with modes alone
       character(*), intent(in) :: keyword
       character(:), allocatable :: text
-      integer :: row
+      integer :: row, last
       call load_language()
       row = find_keyword(keyword)
+      last = index(trim(keyword), ' ', back=.true.)
       if (row > 0) then
-         text = keyword_help(keyword_table(row))
+         text = keyword_help(keyword_table(row), .false.)
+      else if (asks_for_modes(keyword)) then
+         text = keyword_help(keyword_table(find_keyword(keyword(:last - 1))), .true.)
       else
          text = 'Keywords of a deck:'
          do row = 1, size(keyword_table)
@@ -39,19 +42,43 @@ contains
       end if
    end function help_text
 
-   !> Help on one keyword.
-   function keyword_help(keyword) result(text)
+   !> Whether words ask for the options of bodies with modes: a keyword that has some, and MODES.
+   pure logical function asks_for_modes(words)
+      !> In upper case; after `load_language`
+      character(*), intent(in) :: words
+      type(option_spec_type), allocatable :: specs(:)
+      integer :: last
+      last = index(trim(words), ' ', back=.true.)
+      asks_for_modes = last > 1
+      if (asks_for_modes) asks_for_modes = words(last + 1:) == 'MODES' .and. find_keyword(words(:last - 1)) > 0
+      if (.not. asks_for_modes) return
+      allocate (specs, source=keyword_options(words(:last - 1)))
+      asks_for_modes = any(specs%models == 'MODES')
+   end function asks_for_modes
+
+   !> Help on one keyword. Options of bodies with modes stand apart.
+   function keyword_help(keyword, modes) result(text)
       type(keyword_type), intent(in) :: keyword
+      !> Whether for these options
+      logical, intent(in) :: modes
       character(:), allocatable :: text
       type(option_spec_type), allocatable :: specs(:)
-      integer :: i
+      integer :: i, apart
       text = '*'//trim(keyword%name)//newline//'  '//trim(keyword%meaning)
       if (keyword%most == 1) text = text//'; at most once'
       allocate (specs, source=keyword_options(trim(keyword%name)))
+      apart = 0
       do i = 1, size(specs)
+         if (modes .neqv. specs(i)%models == 'MODES') then
+            apart = apart + 1
+            cycle
+         end if
          if (begins_group(specs, i)) text = text//newline//newline//'Options'//group_title(keyword%name, specs(i)%models)//':'
          text = text//newline//'  '//specs(i)%name//'  '//wrapped(option_sentence(specs(i)), len(specs%name) + 4)
       end do
+      if (modes) return
+      if (apart > 0) text = text//newline//newline//as_text(apart)//' more'//group_title(keyword%name, 'MODES')// &
+         & ': limber help '//trim(keyword%name)//' MODES'
       if (keyword%form /= form_none) text = text//newline//newline//'Data lines ('//line_count(keyword)//'): ' &
          & //line_form(keyword, .false.)//listed_words(trim(keyword%name), .false.)
       text = text//newline//newline//'Example:'//newline//example_text(trim(keyword%name))

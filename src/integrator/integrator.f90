@@ -61,6 +61,8 @@ module limber_integrator_integrator
       procedure :: interpolate_place => interpolate_all
       !> Coordinates and velocities that `interpolate` leaves to those they follow from; called behind it
       procedure :: complete => complete_nothing
+      !> Accelerations of the dense output; called behind `interpolate`
+      procedure :: interpolate_accelerations => interpolate_none
       !> Saves or restores its memory; behind `start`, which makes room for it
       procedure(exchange_interface), deferred :: exchange
       procedure :: count_step, least_step, last_digits, step_too_small, exchange_common
@@ -133,8 +135,18 @@ contains
       real(wp), intent(in) :: t
       !> Coordinates and velocities (nq)
       real(wp), intent(inout) :: q(:), v(:)
-      if (t > self%t .and. work%evaluations < 0 .and. system%nc < 0) q = q + 0*v
    end subroutine complete_nothing
+
+   !> Of an integrator without accelerations that are better than those of its states.
+   subroutine interpolate_none(self, t, a, pace)
+      class(integrator_type), intent(in) :: self
+      real(wp), intent(in) :: t
+      !> In the layout of the rates (nw)
+      real(wp), contiguous, intent(inout) :: a(:)
+      !> Vibrations that are faster are not followed [1/time]; 0: there are no accelerations
+      real(wp), intent(out) :: pace
+      pace = 0.0_wp
+   end subroutine interpolate_none
 
    !> Saves or restores what all integrators have.
    subroutine exchange_common(self, snapshot, system)

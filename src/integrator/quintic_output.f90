@@ -6,7 +6,7 @@ module limber_integrator_quintic_output
    use limber_multibody_layout, only: layout_type, velocities_of, advance
    implicit none
    private
-   public :: quintic_state, quintic_place, factors_of_rates, add_projection
+   public :: quintic_state, quintic_place, quintic_accelerations, factors_of_rates, add_projection
 
 contains
 
@@ -40,6 +40,25 @@ contains
       d = [30*s**2*(1 - s)**2, 1 - 18*s**2 + 32*s**3 - 15*s**4, s - 4.5_wp*s**2 + 6*s**3 - 2.5_wp*s**4, &
          & -12*s**2 + 28*s**3 - 15*s**4, 1.5_wp*s**2 - 4*s**3 + 2.5_wp*s**4]
    end function factors_of_rates
+
+   !> Its second derivative (nw).
+   pure subroutine quintic_accelerations(part, h, increment, w_before, w, a_before, a, accelerations)
+      !> As in `quintic_state`
+      real(wp), intent(in) :: part, h
+      real(wp), contiguous, intent(in) :: increment(:), w_before(:), w(:), a_before(:), a(:)
+      real(wp), contiguous, intent(inout) :: accelerations(:)
+      real(wp) :: d(5)
+      integer :: k
+      associate (s => part)
+         ! Factors of increment/h^2, w0/h, a0, w1/h, a1
+         d = [60*s*(1 - s)*(1 - 2*s), -36*s + 96*s**2 - 60*s**3, 1 - 9*s + 18*s**2 - 10*s**3, -24*s + 84*s**2 - 60*s**3, &
+            & 3*s - 12*s**2 + 10*s**3]
+      end associate
+      d = d/[h**2, h, 1.0_wp, h, 1.0_wp]
+      do k = 1, size(accelerations)
+         accelerations(k) = d(1)*increment(k) + d(2)*w_before(k) + d(3)*a_before(k) + d(4)*w(k) + d(5)*a(k)
+      end do
+   end subroutine quintic_accelerations
 
    !> The coordinates alone.
    pure subroutine quintic_place(layout, part, h, q_before, increment, w_before, w, a_before, a, change, q)

@@ -10,7 +10,7 @@ module limber_integrator_radau
    use limber_integrator_lasting_errors, only: lasting_type, motion_time
    use limber_integrator_integrator, only: constraint_limit
    use limber_integrator_error_scales, only: energy_scale
-   use limber_integrator_quintic_output, only: quintic_state, quintic_place, add_projection
+   use limber_integrator_quintic_output, only: quintic_state, quintic_place, quintic_accelerations, add_projection
    use limber_integrator_relaxed_output, only: relax_ends
    use limber_integrator_radau_method, only: radau_a, radau_c, radau_t, radau_ti, radau_inverse, radau_weights, &
       & gamma => radau_gamma, alpha => radau_alpha, beta => radau_beta
@@ -59,6 +59,7 @@ module limber_integrator_radau
       procedure :: step => radau_step
       procedure :: interpolate => radau_interpolate
       procedure :: interpolate_place => radau_interpolate_place
+      procedure :: interpolate_accelerations => radau_accelerations
       procedure :: exchange => exchange_radau
    end type radau_type
 
@@ -556,6 +557,21 @@ contains
          & self%a_shown(:, 2), self%stage_a, self%e, q, v)
       w = self%input%within(s)
    end subroutine radau_interpolate
+
+   !> Second derivative of the quintic. The pace is that of the real equation of a step.
+   subroutine radau_accelerations(self, t, a, pace)
+      class(radau_type), intent(in) :: self
+      real(wp), intent(in) :: t
+      real(wp), contiguous, intent(inout) :: a(:)
+      real(wp), intent(out) :: pace
+      real(wp) :: h
+      pace = 0.0_wp
+      h = self%t - self%t_before
+      if (.not. h > 0.0_wp) return
+      pace = gamma/self%length_of_step()
+      call quintic_accelerations((t - self%t_before)/h, self%length_of_step(), self%increment, self%w_before, self%w, &
+         & self%a_shown(:, 1), self%a_shown(:, 2), a)
+   end subroutine radau_accelerations
 
    subroutine radau_interpolate_place(self, t, q, v, w)
       class(radau_type), intent(inout) :: self

@@ -109,7 +109,7 @@ contains
       class(constraint_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
       real(wp), intent(inout) :: rate(:)
-      rate = 0*self%scale*kinematics%time
+      rate = 0.0_wp
    end subroutine resting_rate
 
    !> A constraint whose second derivatives are within its bodies.

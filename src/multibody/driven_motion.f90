@@ -13,7 +13,7 @@ module limber_multibody_driven_motion
    implicit none
    private
    public :: driven_motion_type, new_held, factor_held, correct_motion, follows, held_position, held_motion, balance_deflections, &
-      & balance_inertia, free_accelerations, rest_multipliers
+      & balance_passed, balance_inertia, free_accelerations, rest_multipliers
 
    !> Stiffness that holds a coordinate, relative to its mass of one
    real(wp), parameter :: rigid = 1.0e30_wp
@@ -23,8 +23,8 @@ module limber_multibody_driven_motion
       type(tangent_type) :: tangent
       !> Places of the diagonal of the deflections in the matrix, and the deflections among the rates (their number)
       integer, allocatable :: diagonal(:), deflections(:)
-      !> Scales of the rates, residuals and unknowns (nw), (nc), (nw + nc); a place moved (nq)
-      real(wp), allocatable :: scale(:), motion(:), rates(:), solution(:), correction(:), moved(:)
+      !> Scales of the rates, residuals and unknowns (nw), (nc), (nw + nc); places moved (nq)
+      real(wp), allocatable :: scale(:), motion(:), rates(:), solution(:), correction(:), moved(:), place(:)
       !> Rates, accelerations in the layout of the rates (nw), multipliers (nc)
       real(wp), allocatable :: w(:), a(:), lambda(:)
    end type driven_motion_type
@@ -38,7 +38,8 @@ contains
       integer :: i, k, count
       associate (nw => system%layout%nw, nc => system%nc)
          call new_tangent(system, held%tangent)
-         allocate (held%scale(nw), held%motion(nw), held%rates(nc), held%moved(system%layout%nq))
+         allocate (held%scale(nw), held%motion(nw), held%rates(nc), held%moved(system%layout%nq), &
+            & held%place(system%layout%nq))
          allocate (held%solution(nw + nc), held%correction(nw + nc))
          allocate (held%w(nw), held%a(nw), held%lambda(nc))
          allocate (held%deflections(sum(system%layout%n)), held%diagonal(sum(system%layout%n)))
@@ -112,6 +113,49 @@ contains
       end do
       done = residual <= limit
    end subroutine held_position
+
+   !> Moves an interpolated place into balance with interpolated accelerations, as far as vibrations are faster than a pace, and onto the
+   !> constraints, eq. (5.45): what a dense output errs in a stiff coordinate makes a force that is not there.
+   subroutine balance_passed(system, work, held, t, q, v, a, pace, moved)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      type(driven_motion_type), intent(inout) :: held
+      !> Time; velocities (nq); accelerations in the layout of the rates (nw); pace [1/time]
+      real(wp), intent(in) :: t, v(:), a(:), pace
+      !> Coordinates (nq)
+      real(wp), intent(inout) :: q(:)
+      !> Largest change of a coordinate relative to its scale; huge if there is no balance
+      real(wp), intent(out) :: moved
+      integer, parameter :: rounds = 2
+      real(wp) :: residual
+      logical :: singular
+      integer :: round
+      held%lambda = 0.0_wp
+      held%moved = q
+      moved = 0.0_wp
+      do round = 1, rounds
+         call motion_residual(system, work, t, held%moved, v, a, held%lambda, held%motion, held%rates)
+         residual = position_residual(system, work)
+         if (round == 1) then
+            call linearise_motion(system, work, held%tangent, held%moved, v, a, held%lambda)
+            held%tangent%softness = 1.0_wp/pace**2
+            call combine(held%tangent, cmplx(pace**2, 0.0_wp, wp), cmplx(pace, 0.0_wp, wp), (1.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), &
+               & .false.)
+            call held%tangent%matrix%factor(singular)
+            if (singular) moved = huge(moved)
+            if (singular) return
+         end if
+         held%solution(:system%layout%nw) = -held%motion
+         held%solution(system%layout%nw + 1:) = -work%phi
+         call solve_refined(held%tangent, system%layout%nw, held%solution, held%correction)
+         held%lambda = held%lambda + held%solution(system%layout%nw + 1:)
+         moved = max(moved, maxval(abs(held%solution(:system%layout%nw)/held%scale)))
+         if (.not. moved <= huge(moved)) return
+         held%place = held%moved
+         call advance(system%layout, held%place, held%solution(:system%layout%nw), held%moved)
+      end do
+      q = held%moved
+   end subroutine balance_passed
 
    !> Velocities, accelerations and multipliers at a position, deflections held; kinematics and multipliers of the workspace are
    !> those of this state.

@@ -70,8 +70,6 @@ contains
       associate (u => kinematics%frames(self%bodies(1))%u)
          first(3, 3) = first(3, 3) - lambda(1)*dot_product(turn(kinematics%drives(self%drive)%heading), u)
       end associate
-      second = second
-      across = across
    end subroutine angle_stiffness
 
    pure subroutine angle_drift(self, kinematics, first, second)
@@ -81,7 +79,6 @@ contains
       associate (frame => kinematics%frames(self%bodies(1)), drive => kinematics%drives(self%drive))
          first(1, 3) = first(1, 3) + (drive%rate - frame%omega)*dot_product(turn(drive%heading), frame%u)
       end associate
-      second = second
    end subroutine angle_drift
 
    pure subroutine angle_gamma(self, kinematics, rate)
@@ -105,7 +102,7 @@ contains
       class(driven_origin_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
       type(jacobian_type), intent(inout) :: first, second
-      first%z(1, self%axis) = 1.0_wp + 0*kinematics%span
+      first%z(1, self%axis) = 1.0_wp
       second%z(1, :) = 0.0_wp
    end subroutine origin_jacobian
 
@@ -116,23 +113,19 @@ contains
       rate = kinematics%drives(self%drive)%rate
    end subroutine origin_rate
 
+   !> None: the coordinate is itself linear.
    pure subroutine origin_stiffness(self, kinematics, lambda, first, second, across)
       class(driven_origin_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
       real(wp), intent(in) :: lambda(:)
       real(wp), intent(inout) :: first(:, :), second(:, :), across(:, :)
-      ! The coordinate is itself linear
-      if (size(lambda) < self%rows .and. kinematics%span < 0.0_wp) first = first
-      second = second
-      across = across
    end subroutine origin_stiffness
 
+   !> None: the coordinate is itself linear.
    pure subroutine origin_drift(self, kinematics, first, second)
       class(driven_origin_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
       real(wp), intent(inout) :: first(:, :), second(:, :)
-      if (self%rows < 0 .and. kinematics%span < 0.0_wp) first = first
-      second = second
    end subroutine origin_drift
 
    pure subroutine origin_gamma(self, kinematics, rate)

@@ -134,7 +134,6 @@ contains
       class(load_type), intent(inout) :: self
       !> Placed at the first state
       type(kinematics_type), intent(in) :: kinematics
-      self%share = self%share + 0*kinematics%time
    end subroutine begin_nothing
 
    !> The stiffness of a load without material.
@@ -144,7 +143,6 @@ contains
       type(kinematics_type), intent(in) :: kinematics
       !> As that of `add_tangent` (rates, rates)
       real(wp), intent(inout) :: stiffness(:, :)
-      if (size(stiffness) > 0) stiffness(1, 1) = stiffness(1, 1) + 0*self%rates(1)*kinematics%time
    end subroutine stiffen_nothing
 
    !> The energy of a load that stores none.
@@ -152,7 +150,6 @@ contains
       class(load_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
       real(wp), intent(inout) :: sum
-      sum = sum + 0*self%rates(1)*kinematics%time
    end subroutine store_nothing
 
    pure subroutine force_add_force(self, kinematics, force)
@@ -167,7 +164,6 @@ contains
       type(kinematics_type), intent(in) :: kinematics
       real(wp), intent(inout) :: stiffness(:, :), damping(:, :)
       call marker_stiffness(kinematics, self%marker, -force_at(self, kinematics%time), stiffness)
-      damping = damping
    end subroutine force_add_tangent
 
    pure subroutine force_add_power(self, kinematics, sum)
@@ -216,8 +212,6 @@ contains
       class(body_torque_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
       real(wp), intent(inout) :: stiffness(:, :), damping(:, :)
-      stiffness = stiffness + 0*self%rates(1)*kinematics%time
-      damping = damping
    end subroutine torque_add_tangent
 
    pure subroutine torque_add_power(self, kinematics, sum)

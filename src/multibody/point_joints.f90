@@ -86,7 +86,6 @@ contains
       real(wp), intent(inout) :: first(:, :), second(:, :), across(:, :)
       call marker_stiffness(kinematics, self%markers(1), lambda, first)
       call marker_stiffness(kinematics, self%markers(2), -lambda(1:2), second)
-      across = across
    end subroutine revolute_stiffness
 
    pure subroutine revolute_drift(self, kinematics, first, second)

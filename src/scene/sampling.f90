@@ -15,7 +15,7 @@ module limber_scene_sampling
    use limber_multibody_plane_vectors, only: cross
    use limber_multibody_equations_of_motion, only: linearise, accelerations, position_residual, velocity_residual, &
       & mechanical_energy, add_parts_of_power, worst_constraint
-   use limber_multibody_driven_motion, only: driven_motion_type, new_held, held_position
+   use limber_multibody_driven_motion, only: driven_motion_type, new_held, held_position, balance_passed
    use limber_multibody_kinematics, only: place_frames
    use limber_monitor_run_monitor, only: find_weak
    use limber_multibody_projection, only: harmless, settle, settle_place, settle_position, normalise_frames
@@ -47,8 +47,9 @@ module limber_scene_sampling
       character(:), allocatable :: weakest
       !> Samples that were recorded aside of such a position
       integer :: aside = 0
-      !> Of samples within steps that pass over vibrations
+      !> Of samples within steps that pass over vibrations; accelerations in the layout of the rates (nw)
       type(driven_motion_type), allocatable, private :: held
+      real(wp), allocatable, private :: rates(:)
    contains
       procedure :: exchange => exchange_sample
    end type sample_type
@@ -106,7 +107,7 @@ contains
             outcome%samples = outcome%samples + 1
             return
          end if
-         if (recorder%needs_accelerations .and. integrator%steps_over .and. t < integrator%t) call close_by_frames(scene, t, sample)
+         if (recorder%needs_accelerations .and. integrator%steps_over) call balance_sample(scene, t, integrator, sample)
          if (recorder%needs_velocities .and. .not. integrator%ends_on_samples) then
             call settle(system, work, t, sample%q, sample%v, sample%change, recorder%needs_accelerations, residual, error)
          else if (moving) then
@@ -154,27 +155,42 @@ contains
       if (.not. sample%ungripped) sample%forces = forces
    end subroutine look_at_grip
 
-   !> Closes the joints of an interpolated state by its frames, and leaves the deflections as they are: moved by no more than the
-   !> error of the motion those that are stiff would make forces that are not there. Where frames alone cannot, nothing is done.
-   subroutine close_by_frames(scene, t, sample)
+   !> Brings a sample of an integrator that passes over vibrations into balance with the accelerations of its dense output. Forces of stiff
+   !> bodies and springs would else be those of the errors of the motion. Where there are no such accelerations, frames alone close
+   !> the joints of samples within steps.
+   subroutine balance_sample(scene, t, integrator, sample)
       type(scene_type), intent(inout) :: scene
       real(wp), intent(in) :: t
+      class(integrator_type), intent(in) :: integrator
       type(sample_type), intent(inout) :: sample
-      real(wp) :: moved
+      !> Largest move of a coordinate, in units of its scale: in tolerances, and at all
+      real(wp), parameter :: tolerances = 100.0_wp, most = 0.01_wp
+      real(wp) :: pace, moved
       logical :: closed
+      integer :: i
       associate (system => scene%system, work => scene%work)
-         if (system%nc == 0 .or. .not. any(system%layout%n > 0)) return
+         if (.not. (any(system%layout%n > 0) .or. any([(system%loads(i)%item%resists, i=1, size(system%loads))]))) return
          if (.not. allocated(sample%held)) then
-            allocate (sample%held)
+            allocate (sample%held, sample%rates(system%layout%nw))
             call new_held(system, sample%held)
          end if
-         sample%change = sample%q
          ! What a restart finds must not depend on samples before
          call sample%held%tangent%matrix%release_factors()
+         sample%change = sample%q
+         call integrator%interpolate_accelerations(t, sample%rates, pace)
+         if (pace > 0.0_wp) then
+            call balance_passed(system, work, sample%held, t, sample%change, sample%v, sample%rates, pace, moved)
+            if (moved <= min(most, tolerances*integrator%tolerance)) then
+               sample%q = sample%change
+               return
+            end if
+            sample%change = sample%q
+         end if
+         if (system%nc == 0 .or. .not. t < integrator%t .or. .not. any(system%layout%n > 0)) return
          call held_position(system, work, sample%held, t, sample%change, moved, closed)
          if (closed) sample%q = sample%change
       end associate
-   end subroutine close_by_frames
+   end subroutine balance_sample
 
    !> The channels of a sample.
    subroutine show(scene, t, recorder, sample, outcome, error)

@@ -5,7 +5,7 @@ module limber_analysis_looks
    use limber_base_error, only: error_type
    use limber_monitor_observation, only: observe
    use limber_scene_outcome, only: outcome_type
-   use limber_scene_sampling, only: sample_type
+   use limber_scene_sampling, only: sample_type, balance_sample
    use limber_scene_scene, only: scene_type
    use limber_monitor_function_sudden, only: in_motion
    use limber_integrator_integrator, only: integrator_type
@@ -30,13 +30,18 @@ contains
       type(outcome_type), intent(inout) :: outcome
       !> Steps, and parts of the run, after which they are observed again; evaluations that lie between in any case
       integer, parameter :: steps = 32, parts = 50, evaluations = 24
+      real(wp) :: q(size(sample%q))
       if (size(outcome%indicators%bodies) + size(outcome%indicators%functions%beams) == 0) return
       if (integrator%statistics%steps < sample%next_step .and. integrator%t < sample%next_look) return
       if (scene%work%evaluations < sample%next_evaluation) return
       sample%next_evaluation = scene%work%evaluations + evaluations
       sample%next_step = integrator%statistics%steps + steps
       sample%next_look = integrator%t + (dynamics%end - dynamics%start)/parts
+      ! Errors of the motion in stiff deflections are no forces
+      q = sample%q
+      if (integrator%steps_over .and. kind == in_motion) call balance_sample(scene, integrator%t, integrator, sample)
       call observe_state(scene, integrator%t, kind, sample, outcome)
+      sample%q = q
    end subroutine look
 
    !> Observes them at the end of a run of so few steps that hardly any other state has been seen.

@@ -164,7 +164,7 @@ contains
       if (self%h_failed > forgotten*self%h) self%h_failed = 0.0_wp
       self%h_last = self%h
       ! The function of stability of the method is exp(z) to z^6/7200
-      call self%ringing%note(system, self%h, self%a, 1/7200.0_wp, 6)
+      call self%ringing%note(system, self%h, self%a_end, 1/7200.0_wp, 6)
       call self%count_step(self%h, 5, 16*err < bound(self))
       self%current = .false.
       self%fresh = self%contraction <= lazy .and. .not. repeated

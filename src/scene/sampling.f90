@@ -22,7 +22,7 @@ module limber_scene_sampling
    use limber_multibody_system, only: system_type, workspace_type
    implicit none
    private
-   public :: sample_type, sample_time, record, look_between, check_residuals, check_energy
+   public :: sample_type, sample_time, record, balance_sample, look_between, check_residuals, check_energy
 
    !> Scratch of the sampling, allocated once, and when the next samples are
    type :: sample_type

@@ -114,8 +114,9 @@ contains
       done = residual <= limit
    end subroutine held_position
 
-   !> Moves an interpolated place into balance with interpolated accelerations, as far as vibrations are faster than a pace, and onto the
-   !> constraints, eq. (5.45): what a dense output errs in a stiff coordinate makes a force that is not there.
+   !> Moves an interpolated place into balance with interpolated accelerations, as far as vibrations are faster than a pace, and
+   !> onto the
+   !> constraints, eq. (5.71): what a dense output errs in a stiff coordinate makes a force that is not there.
    subroutine balance_passed(system, work, held, t, q, v, a, pace, moved)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work

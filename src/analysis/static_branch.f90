@@ -376,8 +376,9 @@ contains
       real(wp) :: left, right, of_left, of_right, middle, width, share, frequency
       real(wp), allocatable :: softest(:)
       logical :: done, flutters, by_stiffness
-      !> Step aside beside the width; width beside the part of the step where round-off may keep Newton's method from more
-      real(wp), parameter :: aside = 1.0e-6_wp, near_part = 1.0e-8_wp
+      !> Step aside beside the width; widths beside the part of the step where round-off may keep Newton's method from more, and
+      !> where the stiffness is straight between both ends
+      real(wp), parameter :: aside = 1.0e-6_wp, near_part = 1.0e-8_wp, near_root = 1.0e-5_wp
       !> Parts of the step, and lowest stiffness there
       real(wp) :: ends(2), lowest(2), first
       !> Part of the first stiffness with which round-off moves nothing; the last state with it
@@ -424,6 +425,7 @@ contains
          if (by_stiffness .and. abs(statics%balance%lowest) <= 1.0e-14_wp*statics%balance%largest) then
             call accept(scene, statics, middle)
             call keep_unstable()
+            statics%critical = middle
             exit
          end if
          if (statics%balance%stable .or. (by_stiffness .and. statics%balance%lowest > 0.0_wp)) then
@@ -448,7 +450,7 @@ contains
             call keep_unstable()
          end if
       end do
-      if (by_stiffness .and. right - left <= near_part*right) statics%critical = ends(1) + (ends(2) - ends(1)) &
+      if (by_stiffness .and. right - left <= near_root*right) statics%critical = ends(1) + (ends(2) - ends(1)) &
          & *lowest(1)/(lowest(1) - lowest(2))
       if (statics%critical >= 0.0_wp) call approach(statics%critical)
       call load_scene(scene, step, statics%part, statics)

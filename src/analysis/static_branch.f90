@@ -13,7 +13,7 @@ module limber_analysis_static_branch
    use limber_multibody_equilibrium, only: equilibrium_type, find_equilibrium, linearise_balance, judge, descend, is_near, &
       & extent, first_step, settle_beside
    use limber_multibody_free_motions, only: motion_text
-   use limber_multibody_kinematics, only: place_frames, settle_angles
+   use limber_multibody_kinematics, only: place_frames, settle_angles, angle_type
    use limber_multibody_turn_counts, only: driven_turn
    implicit none
    private
@@ -217,8 +217,21 @@ contains
    end subroutine accept
 
    !> Newton's method at a part of the step from the present state, and the stability there. From an equilibrium it must stay on
-   !> its branch.
+   !> its branch. A trial that fails leaves no turns behind.
    subroutine try(scene, step, part, statics, done)
+      type(scene_type), intent(inout) :: scene
+      type(analysis_step_type), intent(in) :: step
+      real(wp), intent(in) :: part
+      type(statics_type), intent(inout) :: statics
+      logical, intent(out) :: done
+      type(angle_type), allocatable :: angles(:)
+      allocate (angles, source=scene%work%kinematics%angles)
+      call try_near(scene, step, part, statics, done)
+      if (.not. done) scene%work%kinematics%angles = angles
+   end subroutine try
+
+   !> The trial.
+   subroutine try_near(scene, step, part, statics, done)
       type(scene_type), intent(inout) :: scene
       type(analysis_step_type), intent(in) :: step
       real(wp), intent(in) :: part
@@ -255,7 +268,7 @@ contains
          end if
          call judge(system, work, balance, statics%trial_lambda)
       end associate
-   end subroutine try
+   end subroutine try_near
 
    !> Goes on along a branch that is unstable, at an equilibrium that was found on it.
    subroutine stay_on(scene, step, part, q, lambda, statics)

@@ -195,6 +195,8 @@ contains
       beyond = huge(beyond)
       if (range%defined) beyond = max(min(of_left, of_right) - range%low, range%high - max(of_left, of_right))
       turns = beyond > merge(coarse, little, width < short*(search%end - search%start))*search%largest
+      ! Bounds that stay undefined, though values are not, tell nothing
+      if (.not. range%defined .and. width < short*(search%end - search%start)) turns = .false.
       bends = .false.
       do i = 1, 3
          bends = bends .or. abs(value_at(search, left + 0.25_wp*i*width) - of_left - 0.25_wp*i*(of_right - of_left)) &

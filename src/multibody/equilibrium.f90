@@ -7,7 +7,7 @@ module limber_multibody_equilibrium
    use limber_multibody_plane_vectors, only: turn
    use limber_multibody_equations_of_motion, only: position_residual, worst_constraint
    use limber_multibody_free_motions, only: free_motions_type, find_freedom, lowest_stiffness, has_potential, rate_scales
-   use limber_multibody_kinematics, only: move_frames
+   use limber_multibody_kinematics, only: move_frames, angle_type
    use limber_multibody_layout, only: advance
    use limber_multibody_sparse_eigenmodes, only: nearest_eigenvalues, is_large, by_scales
    use limber_multibody_motion_residual, only: motion_residual, linearise_motion, linearise_loads
@@ -229,8 +229,10 @@ contains
       integer, parameter :: most = 30
       real(wp), parameter :: astray = 4
       real(wp), allocatable :: first(:), first_lambda(:)
+      type(angle_type), allocatable :: angles(:)
       real(wp) :: size_of, last
       integer :: round
+      allocate (angles, source=work%kinematics%angles)
       allocate (first, source=q)
       allocate (first_lambda, source=lambda)
       done = .false.
@@ -258,6 +260,7 @@ contains
       else
          q = first
          lambda = first_lambda
+         work%kinematics%angles = angles
       end if
    end subroutine find_equilibrium
 
@@ -492,10 +495,12 @@ contains
       !> Energy that none has
       real(wp), parameter :: endless = 1.0e100_wp
       real(wp), allocatable :: found(:), found_lambda(:)
+      type(angle_type), allocatable :: angles(:)
       real(wp) :: spring, size_of, gap, least_gap
       integer :: round, trial, closing
       allocate (found, source=q)
       allocate (found_lambda, source=lambda)
+      allocate (angles, source=work%kinematics%angles)
       done = .false.
       balance%has_left = .false.
       balance%open = 0
@@ -547,6 +552,7 @@ contains
          return
       end do
       if (gap > closed) call close_constraints()
+      work%kinematics%angles = angles
 
    contains
 

@@ -21,6 +21,7 @@ program test_static_branches
    call check_pulses()
    call check_two_pulses()
    call check_open_chain()
+   call check_far_rack()
    call check_turning_weight()
    call check_cubic()
    call finish()
@@ -262,6 +263,18 @@ contains
       text = 'ground.origin'
       if (i > 1) text = 'b'//as_text(i - 1)//'.e'
    end function before
+
+   !> A pinion under a torque of 40 pulls a rack on a spring of 0.5 by 80: it turns by 80 rad at once, without increments.
+   subroutine check_far_rack()
+      character(:), allocatable :: report
+      real(wp), allocatable :: x(:)
+      call run('*GROUND'//nl//' p, 3, -1'//nl//' o, 0, -1'//nl//'*RIGID BODY, NAME=b, MASS=1, INERTIA=0.1'//nl// &
+         & '*RIGID BODY, NAME=k, MASS=1, INERTIA=0.1, Y=-1'//nl//'*JOINT, NAME=j, TYPE=REVOLUTE'//nl//' b, ground.origin'//nl// &
+         & '*JOINT, NAME=l, TYPE=TRANSLATIONAL'//nl//' k, ground.o'//nl//'*JOINT, NAME=r, TYPE=RACK, RADIUS=1'//nl//' b, k'//nl// &
+         & '*SPRING, NAME=s, STIFFNESS=0.5, LENGTH=3'//nl//' k, ground.p'//nl//'*TORQUE, NAME=t, BODY=b'//nl//' 40'//nl// &
+         & '*STATICS, PERIOD=0, RAMP=NO'//nl//'*OUTPUT'//nl//' c = elongation(s)'//nl, 'a rack', report, x)
+      if (allocated(x)) call check_close(x(size(x)), 80.0_wp, 1.0e-8_wp, 'a pinion pulls its rack far off')
+   end subroutine check_far_rack
 
    !> In a steady rotation the weight turns with the frame, which is told; without weight nothing is.
    subroutine check_turning_weight()

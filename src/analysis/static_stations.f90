@@ -185,7 +185,7 @@ contains
       real(wp), intent(in) :: left, right, of_left, of_right
       real(wp), allocatable, intent(inout) :: stations(:)
       type(range_type) :: range
-      real(wp) :: middle, of_middle, beyond, width
+      real(wp) :: middle, of_middle, beyond, between, width
       logical :: turns, bends
       integer :: i
       width = right - left
@@ -199,8 +199,8 @@ contains
       if (.not. range%defined .and. width < short*(search%end - search%start)) turns = .false.
       bends = .false.
       do i = 1, 3
-         bends = bends .or. abs(value_at(search, left + 0.25_wp*i*width) - of_left - 0.25_wp*i*(of_right - of_left)) &
-            & > bent*search%largest
+         between = value_at(search, left + 0.25_wp*i*width)
+         bends = bends .or. abs(between - of_left - 0.25_wp*i*(of_right - of_left)) > bent*search%largest
       end do
       if (.not. (turns .or. bends)) return
       if (search%pieces == 0 .or. size(stations) >= most_stations) then

@@ -44,7 +44,7 @@ contains
          if (allocated(error)) message = error%message
          return
       end if
-      if (allocated(error)) call check(.false., name//': '//error%message)
+      if (allocated(error)) call check(.false., trim(name)//': '//error%message)
       if (allocated(error)) return
       call reader%open(trim(results), error)
       values = channel(reader, 'c')
@@ -60,7 +60,8 @@ contains
          & ', ANGLE=-pi/2'//nl//' p, ground.origin'//nl//'*FORCE, NAME=f, POINT=p.end'//nl//' 0, -20*t'//nl// &
          & '*STATICS, INSTABILITY=', asked = nl//'*OUTPUT'//nl//' c = angle(p), t = t'//nl
       character(5), parameter :: choices(3) = ['STAY ', 'LEAVE', 'STOP ']
-      character(:), allocatable :: report, name
+      character(:), allocatable :: report
+      character(120) :: name
       real(wp), allocatable :: angle(:), time(:)
       integer :: i, n
       do i = 1, 3
@@ -68,16 +69,18 @@ contains
             name = trim(choices(i))//', increments: '//as_text(n)
             call run(scene//trim(choices(i))//', INCREMENTS='//as_text(n)//asked, name, report, angle, time)
             if (.not. allocated(angle)) cycle
-            call check(index(report, 'turns unstable at t = 0.5, ') > 0, name//': '//report)
-            call check(index(report, 'turns unstable') == index(report, 'turns unstable', back=.true.), name//': once: '//report)
-            call check(index(report, 'equilibrium ends') == 0, name//': upright does not end: '//report)
+            call check(index(report, 'turns unstable at t = 0.5, ') > 0, trim(name)//': '//report)
+            call check(index(report, 'turns unstable') == index(report, 'turns unstable', back=.true.), &
+               & trim(name)//': once: '//report)
+            call check(index(report, 'equilibrium ends') == 0, trim(name)//': upright does not end: '//report)
             if (i == 2) then
-               call check_close(maxval(abs(10*(angle - pi/2) - 20*time*sin(angle - pi/2))), 0.0_wp, 1.0e-7_wp, name//': balance')
-               call check(all(abs(angle - pi/2) > 0.1_wp .or. time < 0.51_wp), name//': it has left')
-               call check_close(abs(angle(size(angle)) - pi/2), 1.8954942670340_wp, 1.0e-9_wp, name//': last place')
+               call check_close(maxval(abs(10*(angle - pi/2) - 20*time*sin(angle - pi/2))), 0.0_wp, 1.0e-7_wp, &
+                  & trim(name)//': balance')
+               call check(all(abs(angle - pi/2) > 0.1_wp .or. time < 0.51_wp), trim(name)//': it has left')
+               call check_close(abs(angle(size(angle)) - pi/2), 1.8954942670340_wp, 1.0e-9_wp, trim(name)//': last place')
             else
-               call check_close(maxval(abs(angle - pi/2)), 0.0_wp, 1.0e-9_wp, name//': it stays upright')
-               call check_close(time(size(time)), merge(1.0_wp, 0.5_wp, i == 1), 1.0e-9_wp, name//': last time')
+               call check_close(maxval(abs(angle - pi/2)), 0.0_wp, 1.0e-9_wp, trim(name)//': it stays upright')
+               call check_close(time(size(time)), merge(1.0_wp, 0.5_wp, i == 1), 1.0e-9_wp, trim(name)//': last time')
             end if
          end do
       end do
@@ -86,7 +89,8 @@ contains
    !> Two bars on springs k under a dead load: critical at (3 -+ sqrt(5))/2 k/L, both of which the branch passes; a load that is
    !> critical at a sample, and at the end.
    subroutine check_second_bifurcation()
-      character(:), allocatable :: report, name
+      character(:), allocatable :: report
+      character(120) :: name
       real(wp), allocatable :: angle(:), time(:)
       real(wp), parameter :: loads(3) = [30.0_wp, 5*(3 - sqrt(5.0_wp)), 10*(3 - sqrt(5.0_wp))]
       integer :: i, n
@@ -102,19 +106,20 @@ contains
                & '*STATICS, INSTABILITY=STAY, INCREMENTS='//as_text(n)//nl//'*OUTPUT'//nl//' c = angle(q), t = t'//nl, name, &
                & report, angle, time)
             if (.not. allocated(angle)) cycle
-            call check_close(maxval(abs(angle - pi/2)), 0.0_wp, 1.0e-9_wp, name//': straight')
-            call check_close(time(size(time)), 1.0_wp, 1.0e-12_wp, name//': to the end')
-            call check(index(report, 'equilibrium ends') == 0, name//': it does not end: '//report)
+            call check_close(maxval(abs(angle - pi/2)), 0.0_wp, 1.0e-9_wp, trim(name)//': straight')
+            call check_close(time(size(time)), 1.0_wp, 1.0e-12_wp, trim(name)//': to the end')
+            call check(index(report, 'equilibrium ends') == 0, trim(name)//': it does not end: '//report)
             if (i /= 2) call check(index(report, 'turns unstable at t = '//as_text(5*(3 - sqrt(5.0_wp))/loads(i), 8)) > 0, &
-               & name//': its critical load: '//report)
-            if (i == 2) call check(index(report, 'at t = 1') > 0, name//': its critical load at the end: '//report)
+               & trim(name)//': its critical load: '//report)
+            if (i == 2) call check(index(report, 'at t = 1') > 0, trim(name)//': its critical load at the end: '//report)
          end do
       end do
    end subroutine check_second_bifurcation
 
    !> A hanging bar whose weight vanishes at the end: nothing holds it there, which is told.
    subroutine check_unloading()
-      character(:), allocatable :: report, name
+      character(:), allocatable :: report
+      character(120) :: name
       real(wp), allocatable :: angle(:)
       integer :: n
       do n = 1, 5
@@ -123,15 +128,16 @@ contains
             & ', TYPE=REVOLUTE'//nl//' p, ground.origin'//nl//'*FORCE, NAME=f, POINT=p.end'//nl//' 0, -20*(1 - t)'//nl// &
             & '*STATICS, INCREMENTS='//as_text(n)//nl//'*OUTPUT'//nl//' c = angle(p)'//nl, name, report, angle)
          if (.not. allocated(angle)) cycle
-         call check_close(maxval(abs(angle + pi/2)), 0.0_wp, 1.0e-9_wp, name)
-         call check(index(report, 'equilibrium is neutral at t = 1') > 0, name//': told: '//report)
+         call check_close(maxval(abs(angle + pi/2)), 0.0_wp, 1.0e-9_wp, trim(name))
+         call check(index(report, 'equilibrium is neutral at t = 1') > 0, trim(name)//': told: '//report)
       end do
    end subroutine check_unloading
 
    !> A pendulum placed exactly upright: kept there, with its weight in the hinge, or the run stops, or it hangs.
    subroutine check_unstable_start()
       character(5), parameter :: choices(3) = ['STAY ', 'STOP ', 'LEAVE']
-      character(:), allocatable :: report, name
+      character(:), allocatable :: report
+      character(120) :: name
       real(wp), allocatable :: force(:), angle(:)
       integer :: i, k, ramp
       do i = 1, 3
@@ -144,12 +150,14 @@ contains
                   & trim(merge(' c = force_y(h)', ' c = angle(p)  ', k == 1))//nl, name, report, force)
                if (.not. allocated(force)) cycle
                if (k == 2) angle = force
-               if (i < 3) call check(index(report, 'equilibrium is unstable at t = ') > 0, name//': told: '//report)
-               call check(size(force) == merge(1, 3, i == 2), name//': samples')
-               if (k == 1 .and. ramp == 1) call check_close(maxval(abs(force - 19.62_wp)), 0.0_wp, 1.0e-9_wp, name//': weight')
-               if (k == 1 .and. i /= 2) call check_close(force(3), 19.62_wp, 1.0e-9_wp, name//': weight at the end')
-               if (k == 2) call check_close(maxval(abs(cos(angle))), 0.0_wp, 1.0e-9_wp, name//': up or down')
-               if (k == 2) call check_close(sin(angle(size(angle))), merge(-1.0_wp, 1.0_wp, i == 3), 1.0e-9_wp, name//': angle')
+               if (i < 3) call check(index(report, 'equilibrium is unstable at t = ') > 0, trim(name)//': told: '//report)
+               call check(size(force) == merge(1, 3, i == 2), trim(name)//': samples')
+               if (k == 1 .and. ramp == 1) call check_close(maxval(abs(force - 19.62_wp)), 0.0_wp, 1.0e-9_wp, &
+                  & trim(name)//': weight')
+               if (k == 1 .and. i /= 2) call check_close(force(3), 19.62_wp, 1.0e-9_wp, trim(name)//': weight at the end')
+               if (k == 2) call check_close(maxval(abs(cos(angle))), 0.0_wp, 1.0e-9_wp, trim(name)//': up or down')
+               if (k == 2) call check_close(sin(angle(size(angle))), merge(-1.0_wp, 1.0_wp, i == 3), 1.0e-9_wp, &
+                  & trim(name)//': angle')
             end do
          end do
       end do
@@ -164,7 +172,8 @@ contains
          & '(1 + 1e-3*y(m))*step(t - 0.41)*step(0.47 - t)', 't/0.44*step(0.44 - t)', '(1 - cos(14*pi*t))/2', &
          & 'step(t - 0.41)*step(0.41000001 - t)', '16*t**2*(1 - t)**2', 'sin(pi*t)**3*(1 + 1e-3*y(m))']
       integer, parameter :: increments(5) = [1, 2, 3, 10, 14]
-      character(:), allocatable :: report, name
+      character(:), allocatable :: report
+      character(120) :: name
       real(wp), allocatable :: y(:)
       integer :: i, n, big
       do i = 1, size(pulses)
@@ -175,8 +184,8 @@ contains
                   & trim(pulses(i))//')'//nl//'*STATICS, INCREMENTS='//as_text(increments(n))//nl//'*OUTPUT'//nl//' c = y(m)'//nl, &
                   & name, report, y)
                if (.not. allocated(y)) cycle
-               call check_close(y(size(y)), merge(-0.3_wp, 0.3_wp, big == 1), 1.0e-9_wp, name)
-               call check(index(report, 'warning') == 0, name//': '//report)
+               call check_close(y(size(y)), merge(-0.3_wp, 0.3_wp, big == 1), 1.0e-9_wp, trim(name))
+               call check(index(report, 'warning') == 0, trim(name)//': '//report)
             end do
          end do
       end do
@@ -217,7 +226,8 @@ contains
    !> balance at the end, and the end does not depend on the increments. No constraint is in the way.
    subroutine check_open_chain()
       real(wp), parameter :: k(3) = [5.785_wp, 7.184_wp, 13.843_wp], m(3) = [0.854_wp, 1.094_wp, 0.6_wp]
-      character(:), allocatable :: report, name, deck
+      character(:), allocatable :: report, deck
+      character(120) :: name
       real(wp), allocatable :: a(:)
       real(wp) :: angle(3), start(2, 4), centre(2), force(2), moment
       integer :: i, j, n
@@ -250,7 +260,7 @@ contains
             moment = moment - k(i)*(angle(i) - merge(0.0_wp, angle(max(1, i - 1)), i == 1))
             ! A leap may count whole turns otherwise than the angle does
             moment = moment - 2*pi*k(i)*anint(moment/(2*pi*k(i)))
-            call check_close(moment, 0.0_wp, 1.0e-6_wp, name//': moments at hinge '//as_text(i))
+            call check_close(moment, 0.0_wp, 1.0e-6_wp, trim(name)//': moments at hinge '//as_text(i))
          end do
       end do
 

@@ -223,13 +223,13 @@ contains
    end subroutine check_two_pulses
 
    !> Three hinged bars with springs under their weight and a force that follows the last one: the moments at each hinge are in
-   !> balance at the end, and the end does not depend on the increments. No constraint is in the way.
+   !> balance at the end, and the place does not depend on the increments, but for whole turns. No constraint is in the way.
    subroutine check_open_chain()
       real(wp), parameter :: k(3) = [5.785_wp, 7.184_wp, 13.843_wp], m(3) = [0.854_wp, 1.094_wp, 0.6_wp]
       character(:), allocatable :: report, deck
       character(120) :: name
       real(wp), allocatable :: a(:)
-      real(wp) :: angle(3), start(2, 4), centre(2), force(2), moment
+      real(wp) :: angle(3), first(3), start(2, 4), centre(2), force(2), moment
       integer :: i, j, n
       deck = '*GRAVITY'//nl
       do i = 1, 3
@@ -246,6 +246,8 @@ contains
             if (.not. allocated(a)) return
             angle(j) = a(size(a))
          end do
+         if (n == 1) first = angle
+         call check_close(minval(cos(angle - first)), 1.0_wp, 1.0e-9_wp, trim(name)//': the same place')
          start(:, 1) = 0.0_wp
          do i = 1, 3
             start(:, i + 1) = start(:, i) + [cos(angle(i)), sin(angle(i))]

@@ -7,17 +7,18 @@ module limber_analysis_static_branch
    use limber_analysis_curve_path, only: curve_path_type
    use limber_scene_scene, only: scene_type
    use limber_analysis_skipped_laws, only: skips_law
-   use limber_model_model, only: analysis_step_type, leave_unstable
+   use limber_model_model, only: analysis_step_type, leave_unstable, stop_unstable
    use limber_output_channel_values, only: recorder_type
    use limber_output_followed_turns, only: follow_places
-   use limber_multibody_equilibrium, only: equilibrium_type, find_equilibrium, linearise_balance, judge, descend, is_near, extent
+   use limber_multibody_equilibrium, only: equilibrium_type, find_equilibrium, linearise_balance, judge, descend, is_near, &
+      & extent, first_step, settle_beside
    use limber_multibody_free_motions, only: motion_text
-   use limber_multibody_kinematics, only: place_frames, settle_angles
+   use limber_multibody_kinematics, only: place_frames, settle_angles, angle_type
    use limber_multibody_turn_counts, only: driven_turn
    implicit none
    private
    public :: statics_type, load_scene, scale_loads, time_of, accept, try, try_start, fall_into_place, find_critical, loads_drive
-   public :: tell, tell_of_leaving
+   public :: tell, tell_of_leaving, tell_unstable, stay_on, stand, place_text, flutter_text
 
    !> Increment, beside the part of the step that is done, below which it is taken where the stiffness jumps
    real(wp), parameter :: kink_part = 1.0e-6_wp
@@ -40,12 +41,17 @@ module limber_analysis_static_branch
       real(wp) :: increment = 0.0_wp, pace = 0.0_wp
       !> Load whose law has kept the last increments short; 0: none
       integer :: culprit = 0
+      !> Parts of the step that no increment passes, in ascending order; the part of the last sample
+      real(wp), allocatable :: stations(:)
+      real(wp) :: sampled = -1.0_wp
+      !> Part of the step of the last critical load, between the states on both sides; below zero where it is that of the state
+      real(wp) :: critical = -1.0_wp
       !> Weight of the deck (2), and rotation at the start of the step
       real(wp) :: gravity(2) = 0.0_wp, first_rotation = 0.0_wp
       !> What the user is told
       character(:), allocatable :: report
-      !> What is told of the first sample
-      character(:), allocatable :: start_text
+      !> What is told of the first sample; and of a neutral equilibrium, unless the next one is unstable
+      character(:), allocatable :: start_text, neutral_text
    end type statics_type
 
 contains
@@ -100,12 +106,49 @@ contains
             & .false., done)
          if (.not. done) return
          call judge(scene%system, scene%work, balance, statics%trial_lambda)
-         if (.not. balance%stable) return
-         statics%known = .true.
-         statics%stable = .true.
-         call accept(scene, statics, 0.0_wp)
+         if (balance%stable) then
+            statics%known = .true.
+            statics%stable = .true.
+            call accept(scene, statics, 0.0_wp)
+         else
+            call start_unstable(scene, step, 0.0_wp, statics)
+         end if
       end associate
    end subroutine try_start
+
+   !> Takes the trial, an unstable equilibrium, as the first one: where it is to be kept, and the deck places the scene there; or
+   !> where vibrations grow, for then there is no other.
+   subroutine start_unstable(scene, step, part, statics)
+      type(scene_type), intent(inout) :: scene
+      type(analysis_step_type), intent(in) :: step
+      real(wp), intent(in) :: part
+      type(statics_type), intent(inout) :: statics
+      !> Part of the scales within which a place is that of the deck
+      real(wp), parameter :: placed = 1.0e-2_wp
+      associate (balance => statics%balance)
+         if (balance%stable .or. balance%neutral) return
+         if (extent(balance, balance%change) > placed) return
+         if (step%instability == leave_unstable .and. .not. balance%flutters) return
+         statics%known = .true.
+         statics%stable = .false.
+         statics%flutters = balance%flutters
+         statics%stopped = step%instability == stop_unstable
+         call accept(scene, statics, part)
+         call tell_unstable(scene, step, statics)
+      end associate
+   end subroutine start_unstable
+
+   !> Tells that the present state is an unstable equilibrium.
+   subroutine tell_unstable(scene, step, statics)
+      type(scene_type), intent(in) :: scene
+      type(analysis_step_type), intent(in) :: step
+      type(statics_type), intent(inout) :: statics
+      character(:), allocatable :: kind
+      kind = ''
+      if (statics%balance%flutters) kind = ' ('//flutter_text(scene, statics)//')'
+      call tell(statics, 'equilibrium is unstable at '//place_text(step, statics%part)//kind//': '// &
+         & motion_text(scene%system, statics%balance%softest))
+   end subroutine tell_unstable
 
    !> Stable equilibrium at the start of the step, where loads act already, or else under a small part of them, where there is none
    !> without them, as of what hangs: found at once, so that it does not depend on the increments of the deck.
@@ -120,8 +163,8 @@ contains
       if (.not. statics%known) statics%start_text = newline//'      at t = '//as_text(time_of(step, 0.0_wp), 8)// &
          & ' no stable equilibrium is found: the first sample is the scene as it was, without forces of joints'
       if (statics%known .and. statics%part > 0.0_wp) statics%start_text = newline//'      at t = '// &
-         & as_text(time_of(step, 0.0_wp), 8)//' no stable equilibrium is determined; the first one is that at t = '// &
-         & as_text(time_of(step, first_part), 8)
+         & as_text(time_of(step, 0.0_wp), 8)//trim(merge(' no stable', ' no       ', statics%stable))// &
+         & ' equilibrium is determined; the first one is that at t = '//as_text(time_of(step, first_part), 8)
    end subroutine fall_into_place
 
    !> Stable equilibrium at a part of the step. Where none is found the state is left as it is.
@@ -137,11 +180,18 @@ contains
          call load_scene(scene, step, part, statics)
          statics%trial = statics%q
          statics%trial_lambda = statics%lambda
+         if (step%instability /= leave_unstable) then
+            call find_equilibrium(system, work, balance, t, statics%trial, statics%trial_lambda, .false., done)
+            if (done) call judge(system, work, balance, statics%trial_lambda)
+            if (done) call start_unstable(scene, step, part, statics)
+            if (statics%known) return
+            statics%trial = statics%q
+            statics%trial_lambda = statics%lambda
+         end if
          call descend(system, work, balance, t, .true., statics%trial, statics%trial_lambda, done)
          if (.not. done .or. .not. balance%stable) return
          call judge(system, work, balance, statics%trial_lambda)
          if (.not. balance%stable) return
-         if (balance%has_left .and. step%instability /= leave_unstable) return
          if (balance%has_left) call tell_of_leaving(scene, statics, t)
          statics%known = .true.
          statics%stable = .true.
@@ -167,8 +217,21 @@ contains
    end subroutine accept
 
    !> Newton's method at a part of the step from the present state, and the stability there. From an equilibrium it must stay on
-   !> its branch.
+   !> its branch. A trial that fails leaves no turns behind.
    subroutine try(scene, step, part, statics, done)
+      type(scene_type), intent(inout) :: scene
+      type(analysis_step_type), intent(in) :: step
+      real(wp), intent(in) :: part
+      type(statics_type), intent(inout) :: statics
+      logical, intent(out) :: done
+      type(angle_type), allocatable :: angles(:)
+      allocate (angles, source=scene%work%kinematics%angles)
+      call try_near(scene, step, part, statics, done)
+      if (.not. done) scene%work%kinematics%angles = angles
+   end subroutine try
+
+   !> The trial.
+   subroutine try_near(scene, step, part, statics, done)
       type(scene_type), intent(inout) :: scene
       type(analysis_step_type), intent(in) :: step
       real(wp), intent(in) :: part
@@ -205,7 +268,65 @@ contains
          end if
          call judge(system, work, balance, statics%trial_lambda)
       end associate
-   end subroutine try
+   end subroutine try_near
+
+   !> Goes on along a branch that is unstable, at an equilibrium that was found on it.
+   subroutine stay_on(scene, step, part, q, lambda, statics)
+      type(scene_type), intent(inout) :: scene
+      type(analysis_step_type), intent(in) :: step
+      !> Part of the step of that equilibrium; its coordinates (nq) and multipliers (nc)
+      real(wp), intent(in) :: part, q(:), lambda(:)
+      type(statics_type), intent(inout) :: statics
+      statics%trial = q
+      statics%trial_lambda = lambda
+      call load_scene(scene, step, part, statics)
+      call linearise_balance(scene%system, scene%work, statics%balance, time_of(step, part), q, lambda)
+      call judge(scene%system, scene%work, statics%balance, lambda)
+      statics%known = .true.
+      statics%stable = .false.
+      call accept(scene, statics, part)
+   end subroutine stay_on
+
+   !> What serves where Newton's method does not find an equilibrium a little farther on: the present state, if what it lacks is
+   !> round-off; or one at the end of the increment, if that is a critical load, where the tangent is singular, and the loads do no
+   !> work on what turns unstable. It is the trial then, and its stability is known.
+   subroutine stand(scene, step, next, target, statics, done)
+      type(scene_type), intent(inout) :: scene
+      type(analysis_step_type), intent(in) :: step
+      !> Part of the step that was tried, and the end of the increment
+      real(wp), intent(in) :: next, target
+      type(statics_type), intent(inout) :: statics
+      logical, intent(out) :: done
+      !> Stiffness beside the forces that is none so near to a critical load; change of a coordinate that is round-off
+      real(wp), parameter :: none = 1.0e-6_wp, round_off = 1.0e-8_wp
+      real(wp), allocatable :: q(:), lambda(:)
+      real(wp) :: size_of
+      done = .false.
+      if (.not. statics%known) return
+      associate (system => scene%system, work => scene%work, balance => statics%balance)
+         statics%trial = statics%q
+         statics%trial_lambda = statics%lambda
+         call load_scene(scene, step, next, statics)
+         call linearise_balance(system, work, balance, time_of(step, next), statics%q, statics%lambda)
+         call first_step(system, work, balance, size_of)
+         call judge(system, work, balance, statics%lambda)
+         balance%change = 0.0_wp
+         done = size_of <= round_off .and. balance%stable
+         if (done .or. next < target) return
+         if (.not. (statics%stable .or. step%instability /= leave_unstable)) return
+         if (abs(balance%lowest) > none*max(balance%largest, balance%forces)) return
+         call settle_beside(system, work, balance, time_of(step, next), statics%trial, statics%trial_lambda, done)
+         if (.not. done) return
+         allocate (q, source=statics%q)
+         allocate (lambda, source=statics%lambda)
+         done = .not. loads_drive(scene, step, [0.99_wp, 1.0_wp]*statics%part, q, lambda, statics)
+         call load_scene(scene, step, next, statics)
+         call linearise_balance(system, work, balance, time_of(step, next), statics%trial, statics%trial_lambda)
+         call judge(system, work, balance, statics%trial_lambda)
+         balance%neutral = .true.
+         balance%stable = .false.
+      end associate
+   end subroutine stand
 
    !> Whether the loads, as they grow, do work on the motion that turns unstable at the present state: then the branch ends there, a
    !> limit point; else another one crosses it. Right at the critical load the state is known to the square root of round-off only, so
@@ -268,9 +389,18 @@ contains
       real(wp) :: left, right, of_left, of_right, middle, width, share, frequency
       real(wp), allocatable :: softest(:)
       logical :: done, flutters, by_stiffness
+      !> Step aside beside the width; widths beside the part of the step where round-off may keep Newton's method from more, and
+      !> where the stiffness is straight between both ends
+      real(wp), parameter :: aside = 1.0e-6_wp, near_part = 1.0e-8_wp, near_root = 1.0e-5_wp
+      !> Parts of the step, and lowest stiffness there
+      real(wp) :: ends(2), lowest(2), first
+      !> Part of the first stiffness with which round-off moves nothing; the last state with it
+      real(wp), parameter :: clear = 1.0e-5_wp
+      real(wp), allocatable :: clear_q(:), clear_lambda(:)
       integer :: round, side
       left = statics%part
       right = next
+      statics%critical = -1.0_wp
       share = 1.0_wp
       of_right = statics%balance%lowest
       call keep_unstable()
@@ -279,6 +409,11 @@ contains
       if (.not. done) return
       of_left = statics%balance%lowest
       by_stiffness = by_stiffness .and. of_left > 0.0_wp .and. of_right < 0.0_wp
+      ends = [left, right]
+      lowest = [of_left, of_right]
+      first = of_left
+      allocate (clear_q, source=statics%q)
+      allocate (clear_lambda, source=statics%lambda)
       side = 0
       do round = 1, most
          width = right - left
@@ -288,37 +423,68 @@ contains
          if (middle <= left .or. middle >= right) middle = left + 0.5_wp*width
          middle = left + share*(middle - left)
          call try(scene, step, middle, statics, done)
+         if (.not. done .and. by_stiffness) then
+            ! The tangent is singular at the very critical load: it is approached from both sides
+            middle = min(max(middle + merge(-aside, aside, side == -1)*width, left + 0.25_wp*aside*width), &
+               & right - 0.25_wp*aside*width)
+            call try(scene, step, middle, statics, done)
+         end if
          share = min(1.0_wp, 2*share)
          if (.not. done) then
             share = 0.25_wp*share
-            if (share < 1.0e-6_wp .or. signal_came()) exit
+            if (share < 1.0e-6_wp .or. signal_came() .or. width <= near_part*right) exit
             cycle
          end if
          if (by_stiffness .and. abs(statics%balance%lowest) <= 1.0e-14_wp*statics%balance%largest) then
             call accept(scene, statics, middle)
             call keep_unstable()
+            statics%critical = middle
             exit
          end if
          if (statics%balance%stable .or. (by_stiffness .and. statics%balance%lowest > 0.0_wp)) then
             left = middle
             of_left = statics%balance%lowest
+            ends(1) = left
+            lowest(1) = of_left
+            if (of_left > clear*first) then
+               clear_q = statics%trial
+               clear_lambda = statics%trial_lambda
+            end if
             if (side == 1) of_right = 0.5_wp*of_right
             side = 1
             call accept(scene, statics, middle)
          else
             right = middle
             of_right = statics%balance%lowest
+            ends(2) = right
+            lowest(2) = of_right
             if (side == -1) of_left = 0.5_wp*of_left
             side = -1
             call keep_unstable()
          end if
       end do
+      if (by_stiffness .and. right - left <= near_root*right) statics%critical = ends(1) + (ends(2) - ends(1)) &
+         & *lowest(1)/(lowest(1) - lowest(2))
+      if (statics%critical >= 0.0_wp) call approach(statics%critical)
       call load_scene(scene, step, statics%part, statics)
       statics%balance%softest = softest
       statics%balance%flutters = flutters
       statics%balance%frequency = frequency
 
    contains
+
+      !> Takes the very critical load, where round-off moves what Newton's method finds: a spring holds what turns unstable.
+      subroutine approach(part)
+         real(wp), intent(in) :: part
+         real(wp), parameter :: near = 1.0e-3_wp
+         logical :: settled
+         statics%trial = clear_q
+         statics%trial_lambda = clear_lambda
+         call load_scene(scene, step, part, statics)
+         call settle_beside(scene%system, scene%work, statics%balance, time_of(step, part), statics%trial, statics%trial_lambda, &
+            & settled)
+         if (settled .and. extent(statics%balance, statics%balance%change) <= near) call accept(scene, statics, part)
+      end subroutine approach
 
       subroutine keep_unstable()
          softest = statics%balance%softest
@@ -327,6 +493,23 @@ contains
       end subroutine keep_unstable
 
    end subroutine find_critical
+
+   function flutter_text(scene, statics) result(text)
+      type(scene_type), intent(in) :: scene
+      type(statics_type), intent(in) :: statics
+      character(:), allocatable :: text
+      text = 'flutter: vibrations at '//as_text(statics%balance%frequency, 5)//' rad/'//scene%system%model%units%time// &
+         & ' grow; *DYNAMICS shows where they lead'
+   end function flutter_text
+
+   !> An instant, and the part of the loads where they grow.
+   function place_text(step, part) result(text)
+      type(analysis_step_type), intent(in) :: step
+      real(wp), intent(in) :: part
+      character(:), allocatable :: text
+      text = 't = '//as_text(time_of(step, part), 8)
+      if (step%ramp) text = text//', load factor '//as_text(part, 8)
+   end function place_text
 
    !> Adds a line to what the user is told.
    pure subroutine tell(statics, text)

@@ -12,6 +12,7 @@ module limber_model_law_breaks
    implicit none
    private
    public :: find_breaks, changes_between, last_instant, round_off, law_breaks, find_stations, law_stations, undefined_at
+   public :: law_of_time
 
    !> Number of equal parts of the time that are always examined; largest number for shorter pulses
    integer, parameter :: parts = 500, most_parts = 32000

@@ -7,7 +7,7 @@ module limber_multibody_equilibrium
    use limber_multibody_plane_vectors, only: turn
    use limber_multibody_equations_of_motion, only: position_residual, worst_constraint
    use limber_multibody_free_motions, only: free_motions_type, find_freedom, lowest_stiffness, has_potential, rate_scales
-   use limber_multibody_kinematics, only: move_frames
+   use limber_multibody_kinematics, only: move_frames, angle_type
    use limber_multibody_layout, only: advance
    use limber_multibody_sparse_eigenmodes, only: nearest_eigenvalues, is_large, by_scales
    use limber_multibody_motion_residual, only: motion_residual, linearise_motion, linearise_loads
@@ -17,7 +17,8 @@ module limber_multibody_equilibrium
    implicit none
    private
    public :: equilibrium_type, new_equilibrium, find_equilibrium, settle, settle_rates, linearise_balance, judge, &
-      & descend, steady_motion, is_near, extent
+      & descend, steady_motion, is_near, extent, first_step, &
+      & settle_beside
 
    !> Change of a coordinate relative to its scale: aimed at, taken where round-off forbids more, and most in an iteration
    real(wp), parameter :: aim = 1.0e-12_wp, good = 1.0e-8_wp, most_change = 0.25_wp
@@ -189,6 +190,15 @@ contains
       end associate
    end subroutine solve_step
 
+   !> Size of the first step of Newton's method at a place that was linearised, relative to the scales; huge if there is none.
+   subroutine first_step(system, work, balance, size_of)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(in) :: work
+      type(equilibrium_type), intent(inout) :: balance
+      real(wp), intent(out) :: size_of
+      call solve_step(system, work, balance, 0.0_wp, size_of)
+   end subroutine first_step
+
    !> Takes the step found, or a part of it.
    subroutine take_step(system, balance, part, q, lambda)
       type(system_type), intent(in) :: system
@@ -219,8 +229,10 @@ contains
       integer, parameter :: most = 30
       real(wp), parameter :: astray = 4
       real(wp), allocatable :: first(:), first_lambda(:)
+      type(angle_type), allocatable :: angles(:)
       real(wp) :: size_of, last
       integer :: round
+      allocate (angles, source=work%kinematics%angles)
       allocate (first, source=q)
       allocate (first_lambda, source=lambda)
       done = .false.
@@ -248,8 +260,40 @@ contains
       else
          q = first
          lambda = first_lambda
+         work%kinematics%angles = angles
       end if
    end subroutine find_equilibrium
+
+   !> Equilibrium at a critical load, near by: a spring holds what nothing holds there, all else is in balance.
+   subroutine settle_beside(system, work, balance, t, q, lambda, done)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Judged near by
+      type(equilibrium_type), intent(inout) :: balance
+      real(wp), intent(in) :: t
+      !> Coordinates (nq), multipliers (nc)
+      real(wp), intent(inout) :: q(:), lambda(:)
+      logical, intent(out) :: done
+      integer, parameter :: most = 20
+      !> Spring beside the stiffness and the forces; change that is round-off beside it; longest step
+      real(wp), parameter :: soft = 1.0e-6_wp, little = 1.0e-9_wp, longest = 1.0e-3_wp
+      real(wp) :: size_of, spring
+      integer :: round
+      spring = soft*max(balance%largest, balance%forces)
+      done = .false.
+      if (.not. spring > 0.0_wp) return
+      balance%change = 0.0_wp
+      do round = 1, most
+         call linearise_balance(system, work, balance, t, q, lambda)
+         call solve_step(system, work, balance, spring, size_of)
+         if (.not. size_of <= longest) return
+         call take_step(system, balance, 1.0_wp, q, lambda)
+         balance%change = balance%change + balance%solution(:system%layout%nw)
+         done = size_of <= little
+         if (done) exit
+      end do
+      call linearise_balance(system, work, balance, t, q, lambda)
+   end subroutine settle_beside
 
    !> Nearest equilibrium of a scene without loads whose frames may be free, eq. (4.42): Newton's method with a weak spring on every
    !> change, so that what costs no energy stays where it is. Leaves the factors of its last step.
@@ -326,8 +370,8 @@ contains
       logical, intent(out) :: near
       !> Difference from the mean of the tangents, and between the two, beside the change of a coordinate and beside the largest
       real(wp), parameter :: of_own(2) = [0.1_wp, 0.6_wp], of_largest(2) = [5.0e-4_wp, 0.05_wp]
-      !> Change that is round-off
-      real(wp), parameter :: none = 1.0e-9_wp
+      !> Change that is none: near a critical load round-off makes as much of it
+      real(wp), parameter :: none = 1.0e-7_wp
       real(wp) :: size_of, largest, own(system%layout%nw), back(system%layout%nw)
       largest = extent(balance, balance%change)
       near = largest <= none
@@ -451,10 +495,12 @@ contains
       !> Energy that none has
       real(wp), parameter :: endless = 1.0e100_wp
       real(wp), allocatable :: found(:), found_lambda(:)
+      type(angle_type), allocatable :: angles(:)
       real(wp) :: spring, size_of, gap, least_gap
       integer :: round, trial, closing
       allocate (found, source=q)
       allocate (found_lambda, source=lambda)
+      allocate (angles, source=work%kinematics%angles)
       done = .false.
       balance%has_left = .false.
       balance%open = 0
@@ -505,9 +551,36 @@ contains
          lambda = found_lambda
          return
       end do
-      if (gap > closed) call worst_constraint(system, work, balance%open, balance%gap)
+      if (gap > closed) call close_constraints()
+      work%kinematics%angles = angles
 
    contains
+
+      !> Closes constraints that are open at the last place, by steps without regard to forces. What cannot be closed is told.
+      subroutine close_constraints()
+         integer, parameter :: most_closing = 100
+         !> Spring beside all that is stiff; largest way
+         real(wp), parameter :: stiff = 1.0e6_wp, longest = 2.0_wp
+         real(wp) :: way
+         integer :: i
+         call worst_constraint(system, work, balance%open, balance%gap)
+         spring = stiff*max(balance%largest, balance%forces, tiny(spring))
+         found = q
+         found_lambda = lambda
+         way = 0.0_wp
+         do i = 1, most_closing
+            call linearise_balance(system, work, balance, t, found, found_lambda)
+            if (position_residual(system, work) <= closed) then
+               balance%open = 0
+               return
+            end if
+            call solve_step(system, work, balance, spring, size_of)
+            if (size_of >= huge(size_of) .or. signal_came()) return
+            way = way + min(size_of, most_change)
+            if (way > longest) return
+            call take_step(system, balance, min(1.0_wp, most_change/max(size_of, tiny(size_of))), found, found_lambda)
+         end do
+      end subroutine close_constraints
 
       !> Whether constraints have been open for long, and do not close: no place satisfies them.
       logical function stays_open()

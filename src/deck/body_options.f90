@@ -90,7 +90,7 @@ module limber_deck_body_options
       &    '', 'EXACT', 'slope in an element: from its two ends, or integrated; LINEAR: and tension not constant', &
       &    models='MODES'), &
       & option_spec_type('BEAM', 'AXIAL BASIS', kind_word, 'MODES|STATIC', &
-      &    '', '', 'axial modes, or responses to forces along the beam and to rotation: default, unless modes are counted', &
+      &    '', '', 'axial modes (default if MODES or AXIAL MODES is given), or responses to forces along it and rotation', &
       &    models='MODES')]
    !> Frames and their parts
    type(option_spec_type), parameter, public :: frame_options(*) = [ &

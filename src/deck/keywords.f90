@@ -128,7 +128,7 @@ module limber_deck_keywords
       &    '', '', 'file of data lines, relative to the folder of this one; a line that begins with a letter is skipped'), &
       & option_spec_type('DAMPING', 'BODY', kind_reference, 'BEAM|FRAME', '', needed, 'beam or frame that is damped'), &
       & option_spec_type('DAMPING', 'RAYLEIGH ALPHA', kind_nonnegative, '', &
-      &    '1/s', '0', 'damping for each unit of modal mass of the body''s modes as the scene holds it'), &
+      &    '1/s', '0', 'damping for each unit of modal mass of modes as the scene holds it; internal: section forces have it'), &
       & option_spec_type('DAMPING', 'RAYLEIGH BETA', kind_nonnegative, '', &
       &    's', '0', 'damping for each unit of modal stiffness'), &
       & option_spec_type('DAMPING', 'RATIO', kind_nonnegative, '', &

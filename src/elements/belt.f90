@@ -20,8 +20,8 @@ contains
    !> Its radii are options of GEAR too.
    pure type(belt_kind_type) function belt_kind() result(kind)
       kind%word = 'BELT'
-      kind%meaning = 'a belt or chain over wheels about the two points, which neither slips nor stretches; their distance ' &
-         & //'is to be kept by other joints'
+      kind%meaning = 'a belt or chain over wheels about the two points, which neither slips nor stretches; other joints ' &
+         & //'keep their distance. Without pretension: bearings get the difference of its strands alone'
       kind%place = place_rolling
       kind%apart = .true.
       kind%clamps = .true.

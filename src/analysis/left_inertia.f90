@@ -25,7 +25,7 @@ module limber_analysis_left_inertia
    public :: left_inertia_type, balance_type, start_left_inertia, compare_inertia, tell_left_inertia
 
    !> Largest part that is not told, of what is left out all the way and of vibrations; above which only more than that is told
-   real(wp), parameter :: little = 0.01_wp, little_vibration = 0.04_wp, beyond = 0.5_wp
+   real(wp), parameter :: little = 0.01_wp, little_vibration = 0.02_wp, beyond = 0.5_wp
    !> Part by which two looks may differ
    real(wp), parameter :: doubt = 0.3_wp
 

@@ -10,9 +10,10 @@ module limber_analysis_static_branch
    use limber_model_model, only: analysis_step_type, leave_unstable
    use limber_output_channel_values, only: recorder_type
    use limber_output_followed_turns, only: follow_places
-   use limber_multibody_equilibrium, only: equilibrium_type, find_equilibrium, linearise_balance, judge, descend, is_near, extent
+   use limber_multibody_equilibrium, only: equilibrium_type, find_equilibrium, linearise_balance, judge, descend, is_near, extent, &
+      & begin_way
    use limber_multibody_free_motions, only: motion_text
-   use limber_multibody_kinematics, only: place_frames, settle_angles
+   use limber_multibody_kinematics, only: angle_type, place_frames, settle_angles
    use limber_multibody_turn_counts, only: driven_turn
    implicit none
    private
@@ -32,6 +33,8 @@ module limber_analysis_static_branch
       !> Part of the step that is done, and the state there: coordinates (nq), multipliers (nc); a trial of both
       real(wp) :: part = 0.0_wp
       real(wp), allocatable :: q(:), lambda(:), trial(:), trial_lambda(:), values(:)
+      !> Angles that are followed there: a trial that is dismissed has led them astray
+      type(angle_type), allocatable :: angles(:)
       !> Whether equilibrium was stable there; and whether that is known
       logical :: stable = .false., known = .false.
       !> True if the step ends before its time; and once it goes on along an equilibrium about which vibrations grow
@@ -96,6 +99,7 @@ contains
          call load_scene(scene, step, 0.0_wp, statics)
          statics%trial = statics%q
          statics%trial_lambda = statics%lambda
+         call begin_way(balance, scene%work, statics%angles)
          call find_equilibrium(scene%system, scene%work, balance, time_of(step, 0.0_wp), statics%trial, statics%trial_lambda, &
             & .false., done)
          if (.not. done) return
@@ -137,6 +141,7 @@ contains
          call load_scene(scene, step, part, statics)
          statics%trial = statics%q
          statics%trial_lambda = statics%lambda
+         call begin_way(balance, work, statics%angles)
          call descend(system, work, balance, t, .true., statics%trial, statics%trial_lambda, done)
          if (.not. done .or. .not. balance%stable) return
          call judge(system, work, balance, statics%trial_lambda)
@@ -162,7 +167,9 @@ contains
             call place_frames(scene%system%model, scene%system%layout, kinematics%time, statics%q, kinematics)
             call settle_angles(kinematics, .false.)
          end if
-         call follow_places(statics%recorder%turns, scene%system, kinematics, kinematics%time, statics%q)
+         call follow_places(statics%recorder%turns, scene%system, kinematics, kinematics%time, statics%q, statics%balance%turned)
+         statics%balance%turned = 0.0_wp
+         statics%angles(:) = kinematics%angles
       end associate
    end subroutine accept
 
@@ -179,6 +186,7 @@ contains
       associate (system => scene%system, work => scene%work, balance => statics%balance)
          statics%trial = statics%q
          statics%trial_lambda = statics%lambda
+         call begin_way(balance, work, statics%angles)
          ! Beyond a right angle Newton's method may find the opposite direction, which satisfies the same equation
          done = part - statics%part <= kink_part*part .or. &
             & .not. driven_turn(system, time_of(step, statics%part), time_of(step, part)) > most_turn

@@ -7,6 +7,7 @@ module limber_analysis_own_motions
    use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: as_text
    use limber_analysis_step_defects, only: defect_type, find_response
+   use limber_integrator_error_scales, only: connected_lengths
    use limber_model_model, only: dynamics_type, ground
    use limber_multibody_system, only: system_type, workspace_type
    implicit none
@@ -24,9 +25,11 @@ module limber_analysis_own_motions
       integer :: steps = 0
       !> The motion last looked at by a disturbance of its own
       integer :: looked = 0
-      !> Bodies, rigid, and loads alone connect them, or those that joints join them with, with others; and what they are seen from,
-      !> the ground or one of these others (motions)
+      !> Bodies, rigid, and loads alone connect them, or those that joints join them with, with others, or loads hold them on the
+      !> ground; and what they are seen from, the ground or one of these others (motions)
       integer, allocatable :: body(:), beside(:)
+      !> Length of what is connected with each, on which errors are judged [length] (motions)
+      real(wp), allocatable :: length(:)
       !> Smallest and largest x and y [length] (2, motions)
       real(wp), allocatable :: low(:, :), high(:, :)
       !> Errors of places that add up, at most and at the last look, and the time of that; the largest of those that what is stiff
@@ -46,8 +49,11 @@ contains
       type(system_type), intent(in) :: system
       !> Coordinates (nq)
       real(wp), intent(in) :: q(:)
+      real(wp) :: lengths(size(system%layout%q))
       integer :: i, n
       call find_motions(system, self%body, self%beside)
+      lengths = connected_lengths(system)
+      self%length = lengths(self%body)
       n = size(self%body)
       allocate (self%low(2, n), self%high(2, n), self%added(n), self%now(n), self%seen(n), self%stiff(n), &
          & source=0.0_wp)
@@ -58,8 +64,8 @@ contains
       self%high = self%low
    end subroutine start_motions
 
-   !> Motions that are looked at: of rigid bodies of groups that joints and drivers make, and that loads connect with other groups;
-   !> and of each pair of these that a load connects.
+   !> Motions that are looked at: of rigid bodies of groups that joints and drivers make, and that loads connect with other groups or
+   !> hold on the ground; and of each pair of these that a load connects.
    subroutine find_motions(system, body, beside)
       type(system_type), intent(in) :: system
       !> (motions)
@@ -77,6 +83,8 @@ contains
       allocate (body(0), beside(0))
       do i = 1, size(system%loads)
          associate (bodies => system%loads(i)%item%bodies)
+            if (system%loads(i)%item%resists .and. (size(bodies) == 1 .or. any(bodies == ground))) &
+               & tied = tied .or. group == group(maxval(bodies))
             do j = 2, size(bodies)
                if (any(bodies(j - 1:j) == ground)) cycle
                if (group(bodies(j)) == group(bodies(j - 1))) cycle
@@ -149,8 +157,7 @@ contains
       integer, intent(in) :: motion
       real(wp) :: own
       own = own_motion(self, motion)
-      little = own > max(none, nothing*system%model%dynamics%tolerance)*system%model%length .and. &
-         & own < small*system%model%length
+      little = own > max(none, nothing*system%model%dynamics%tolerance)*self%length(motion) .and. own < small*self%length(motion)
    end function moves_little
 
    !> Half of the way between the places that a body has been at [length].
@@ -295,7 +302,7 @@ contains
       text = "body '"//system%model%bodies(self%body(worst))%name//"' moves by "//as_text(2*own_motion(self, worst), 2)//' '// &
          & system%model%units%length//' only'
       if (self%beside(worst) /= ground) text = text//" beside body '"//system%model%bodies(self%beside(worst))%name//"'"
-      text = text//', little beside the '//as_text(system%model%length, 2)//' '// &
+      text = text//', little beside the '//as_text(self%length(worst), 2)//' '// &
          & system%model%units%length//' and the speeds of the scene, on whose scale errors are judged: its place may be off by'// &
          & ' about '//as_text(100*min(most, 1.0_wp), 2)//' % of that motion'//trim(merge(' or more', '        ', most > 1.0_wp))// &
          & '; use TOLERANCE='//as_text(max(1.0e-13_wp, dynamics%tolerance*(aim/most)**power), 1)

@@ -14,8 +14,9 @@ module limber_analysis_own_motions
    private
    public :: motions_type, start_motions, note_place, is_due, note_errors, motion_warning
 
-   !> Own motion, in units of the scene, that is small; that is none, and the same in units of the tolerance
-   real(wp), parameter :: small = 0.05_wp, none = 1.0e-9_wp, nothing = 0.3_wp
+   !> Own motion, in units of the length on which errors are judged, that is small, and of a body that is only tied to the ground,
+   !> whose speeds are its own; that is none, and the same in units of the tolerance
+   real(wp), parameter :: small = 0.05_wp, small_on_ground = 0.01_wp, none = 1.0e-9_wp, nothing = 0.3_wp
    !> The first steps are all looked at, then one of so many
    integer, parameter :: first = 16, every = 16
 
@@ -30,6 +31,8 @@ module limber_analysis_own_motions
       integer, allocatable :: body(:), beside(:)
       !> Length of what is connected with each, on which errors are judged [length] (motions)
       real(wp), allocatable :: length(:)
+      !> Part of it that is small (motions)
+      real(wp), allocatable :: small(:)
       !> Smallest and largest x and y [length] (2, motions)
       real(wp), allocatable :: low(:, :), high(:, :)
       !> Errors of places that add up, at most and at the last look, and the time of that; the largest of those that what is stiff
@@ -51,7 +54,7 @@ contains
       real(wp), intent(in) :: q(:)
       real(wp) :: lengths(size(system%layout%q))
       integer :: i, n
-      call find_motions(system, self%body, self%beside)
+      call find_motions(system, self%body, self%beside, self%small)
       lengths = connected_lengths(system)
       self%length = lengths(self%body)
       n = size(self%body)
@@ -66,11 +69,12 @@ contains
 
    !> Motions that are looked at: of rigid bodies of groups that joints and drivers make, and that loads connect with other groups or
    !> hold on the ground; and of each pair of these that a load connects.
-   subroutine find_motions(system, body, beside)
+   subroutine find_motions(system, body, beside, part)
       type(system_type), intent(in) :: system
       !> (motions)
       integer, allocatable, intent(out) :: body(:), beside(:)
-      logical :: tied(size(system%layout%q))
+      real(wp), allocatable, intent(out) :: part(:)
+      logical :: tied(size(system%layout%q)), based(size(tied))
       integer :: group(size(tied)), i, j
       group = [(i, i=1, size(group))]
       do i = 1, size(system%constraints)
@@ -80,11 +84,12 @@ contains
          end associate
       end do
       tied = .false.
+      based = .false.
       allocate (body(0), beside(0))
       do i = 1, size(system%loads)
          associate (bodies => system%loads(i)%item%bodies)
             if (system%loads(i)%item%resists .and. (size(bodies) == 1 .or. any(bodies == ground))) &
-               & tied = tied .or. group == group(maxval(bodies))
+               & based = based .or. group == group(maxval(bodies))
             do j = 2, size(bodies)
                if (any(bodies(j - 1:j) == ground)) cycle
                if (group(bodies(j)) == group(bodies(j - 1))) cycle
@@ -96,7 +101,8 @@ contains
             end do
          end associate
       end do
-      tied = tied .and. system%layout%n == 0
+      part = [pack(merge(small, small_on_ground, tied), (tied .or. based) .and. system%layout%n == 0), [(small, i=1, size(body))]]
+      tied = (tied .or. based) .and. system%layout%n == 0
       body = [pack([(i, i=1, size(tied))], tied), body]
       beside = [[(ground, i=1, count(tied))], beside]
    end subroutine find_motions
@@ -157,7 +163,8 @@ contains
       integer, intent(in) :: motion
       real(wp) :: own
       own = own_motion(self, motion)
-      little = own > max(none, nothing*system%model%dynamics%tolerance)*self%length(motion) .and. own < small*self%length(motion)
+      little = own > max(none, nothing*system%model%dynamics%tolerance)*self%length(motion) .and. &
+         & own < self%small(motion)*self%length(motion)
    end function moves_little
 
    !> Half of the way between the places that a body has been at [length].

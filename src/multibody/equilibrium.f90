@@ -4,7 +4,7 @@
 module limber_multibody_equilibrium
    use limber_base_kinds, only: wp
    use limber_base_signals, only: signal_came
-   use limber_multibody_plane_vectors, only: cross, turn
+   use limber_multibody_plane_vectors, only: turn
    use limber_multibody_equations_of_motion, only: position_residual, worst_constraint
    use limber_multibody_free_motions, only: free_motions_type, find_freedom, lowest_stiffness, has_potential, rate_scales
    use limber_multibody_kinematics, only: angle_type, move_frames
@@ -14,6 +14,7 @@ module limber_multibody_equilibrium
    use limber_multibody_system, only: system_type, workspace_type
    use limber_multibody_tangent, only: tangent_type, new_tangent, combine, gather, static_softness, solve_refined
    use limber_multibody_small_vibrations, only: find_growth
+   use limber_multibody_turn_counts, only: count_turns
    implicit none
    private
    public :: equilibrium_type, new_equilibrium, find_equilibrium, settle, settle_rates, linearise_balance, judge, &
@@ -213,15 +214,8 @@ contains
       real(wp), intent(in) :: change(:)
       !> Scratch (nq); turns so far (bodies); coordinates (nq)
       real(wp), intent(inout) :: moved(:), turned(:), q(:)
-      integer :: i, first
       call advance(system%layout, q, change, moved)
-      do i = 1, size(turned)
-         if (.not. system%layout%framed(i)) cycle
-         first = system%layout%q(i) + 2
-         associate (before => q(first:first + 1), behind => moved(first:first + 1))
-            turned(i) = turned(i) + atan2(cross(before, behind), dot_product(before, behind))
-         end associate
-      end do
+      call count_turns(system%layout, q, moved, turned)
       q = moved
    end subroutine go
 

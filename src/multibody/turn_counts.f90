@@ -7,10 +7,12 @@ module limber_multibody_turn_counts
    use limber_model_driver_laws, only: driven_motion
    use limber_model_model, only: driver_angle, driver_joint_angle, coordinate_angle, coordinate_joint_angle, ground
    use limber_multibody_kinematics, only: kinematics_type, place_frames
+   use limber_multibody_layout, only: layout_type
+   use limber_multibody_plane_vectors, only: cross
    use limber_multibody_system, only: system_type
    implicit none
    private
-   public :: start_turns, unite_turns, section_bend, driven_turn, angle_near
+   public :: start_turns, unite_turns, count_turns, section_bend, driven_turn, angle_near
 
 contains
 
@@ -88,6 +90,23 @@ contains
       end function is_joined
 
    end subroutine unite_turns
+
+   !> Counts the turns of all frames from one place to another, less than half a turn each.
+   pure subroutine count_turns(layout, before, behind, turned)
+      type(layout_type), intent(in) :: layout
+      !> Coordinates (nq)
+      real(wp), intent(in) :: before(:), behind(:)
+      !> So far (bodies) [rad]
+      real(wp), intent(inout) :: turned(:)
+      integer :: i, first
+      do i = 1, size(turned)
+         if (.not. layout%framed(i)) cycle
+         first = layout%q(i) + 2
+         associate (from => before(first:first + 1), to => behind(first:first + 1))
+            turned(i) = turned(i) + atan2(cross(from, to), dot_product(from, to))
+         end associate
+      end do
+   end subroutine count_turns
 
    !> By how much the section at a point is turned from its frame by the deflection of its body [rad].
    pure real(wp) function section_bend(system, point, q) result(angle)

@@ -33,6 +33,7 @@ program test_turns
    call check_rolled()
    call check_rolled_frame()
    call check_driven_beam()
+   call check_gap()
    call finish()
 
 contains
@@ -255,6 +256,26 @@ contains
       call check_channel(reader, 'k', 80*t/3, label)
       call reader%close()
    end subroutine check_driven_beam
+
+   !> A crank of 0.5 m that a driver turns draws a slotted wheel about a pin beside its own along, behind a gap of time too: angles
+   !> differ by less than half a turn, and are the same after each half one.
+   subroutine check_gap()
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      real(wp), allocatable :: t(:)
+      character(*), parameter :: label = 'a wheel that is drawn along in a gap of time'
+      call run_here('*GROUND'//newline//' pin, 0.1, 0'//newline//'*RIGID BODY, NAME=a, MASS=1, INERTIA=0.1'//newline// &
+         & ' tip, 0.5, 0'//newline//'*RIGID BODY, NAME=c, MASS=1, INERTIA=0.1, X=0.1'//newline// &
+         & '*JOINT, NAME=ja, TYPE=REVOLUTE'//newline//' a, ground.origin'//newline// &
+         & '*JOINT, NAME=jc, TYPE=REVOLUTE'//newline//' c, ground.pin'//newline// &
+         & '*JOINT, NAME=l, TYPE=POINT ON LINE'//newline//' a.tip, c'//newline//'*DRIVER, NAME=d, TYPE=ANGLE, BODY=a'//newline// &
+         & ' 2*pi*t'//newline//'*KINEMATICS, END=1, OUTPUTS=2'//newline//'*KINEMATICS, START=4.5, END=5, OUTPUTS=1'//newline// &
+         & '*OUTPUT'//newline//' c = angle(c), j = joint_angle(jc)'//newline, label, reader)
+      call reader%read_time(t, error)
+      call check_channel(reader, 'c', 2*acos(-1.0_wp)*t, label)
+      call check_channel(reader, 'j', 2*acos(-1.0_wp)*t, label)
+      call reader%close()
+   end subroutine check_gap
 
    !> A wheel that winds a spring by more than three turns, angle 20 sin t: the runs for the estimate of its error begin where the
    !> run itself has begun, not three turns further on.

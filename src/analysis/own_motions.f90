@@ -7,14 +7,16 @@ module limber_analysis_own_motions
    use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: as_text
    use limber_analysis_step_defects, only: defect_type, find_response
+   use limber_integrator_error_scales, only: connected_lengths
    use limber_model_model, only: dynamics_type, ground
    use limber_multibody_system, only: system_type, workspace_type
    implicit none
    private
    public :: motions_type, start_motions, note_place, is_due, note_errors, motion_warning
 
-   !> Own motion, in units of the scene, that is small; that is none, and the same in units of the tolerance
-   real(wp), parameter :: small = 0.05_wp, none = 1.0e-9_wp, nothing = 0.3_wp
+   !> Own motion, in units of the length on which errors are judged, that is small, and of a body that is only tied to the ground,
+   !> whose speeds are its own; that is none, and the same in units of the tolerance
+   real(wp), parameter :: small = 0.05_wp, small_on_ground = 0.01_wp, none = 1.0e-9_wp, nothing = 0.3_wp
    !> The first steps are all looked at, then one of so many
    integer, parameter :: first = 16, every = 16
 
@@ -24,9 +26,13 @@ module limber_analysis_own_motions
       integer :: steps = 0
       !> The motion last looked at by a disturbance of its own
       integer :: looked = 0
-      !> Bodies, rigid, and loads alone connect them, or those that joints join them with, with others; and what they are seen from,
-      !> the ground or one of these others (motions)
+      !> Bodies, rigid, and loads alone connect them, or those that joints join them with, with others, or loads hold them on the
+      !> ground; and what they are seen from, the ground or one of these others (motions)
       integer, allocatable :: body(:), beside(:)
+      !> Length of what is connected with each, on which errors are judged [length] (motions)
+      real(wp), allocatable :: length(:)
+      !> Part of it that is small (motions)
+      real(wp), allocatable :: small(:)
       !> Smallest and largest x and y [length] (2, motions)
       real(wp), allocatable :: low(:, :), high(:, :)
       !> Errors of places that add up, at most and at the last look, and the time of that; the largest of those that what is stiff
@@ -46,8 +52,11 @@ contains
       type(system_type), intent(in) :: system
       !> Coordinates (nq)
       real(wp), intent(in) :: q(:)
+      real(wp) :: lengths(size(system%layout%q))
       integer :: i, n
-      call find_motions(system, self%body, self%beside)
+      call find_motions(system, self%body, self%beside, self%small)
+      lengths = connected_lengths(system)
+      self%length = lengths(self%body)
       n = size(self%body)
       allocate (self%low(2, n), self%high(2, n), self%added(n), self%now(n), self%seen(n), self%stiff(n), &
          & source=0.0_wp)
@@ -58,13 +67,14 @@ contains
       self%high = self%low
    end subroutine start_motions
 
-   !> Motions that are looked at: of rigid bodies of groups that joints and drivers make, and that loads connect with other groups;
-   !> and of each pair of these that a load connects.
-   subroutine find_motions(system, body, beside)
+   !> Motions that are looked at: of rigid bodies of groups that joints and drivers make, and that loads connect with other groups or
+   !> hold on the ground; and of each pair of these that a load connects.
+   subroutine find_motions(system, body, beside, part)
       type(system_type), intent(in) :: system
       !> (motions)
       integer, allocatable, intent(out) :: body(:), beside(:)
-      logical :: tied(size(system%layout%q))
+      real(wp), allocatable, intent(out) :: part(:)
+      logical :: tied(size(system%layout%q)), based(size(tied))
       integer :: group(size(tied)), i, j
       group = [(i, i=1, size(group))]
       do i = 1, size(system%constraints)
@@ -74,9 +84,12 @@ contains
          end associate
       end do
       tied = .false.
+      based = .false.
       allocate (body(0), beside(0))
       do i = 1, size(system%loads)
          associate (bodies => system%loads(i)%item%bodies)
+            if (system%loads(i)%item%resists .and. (size(bodies) == 1 .or. any(bodies == ground))) &
+               & based = based .or. group == group(maxval(bodies))
             do j = 2, size(bodies)
                if (any(bodies(j - 1:j) == ground)) cycle
                if (group(bodies(j)) == group(bodies(j - 1))) cycle
@@ -88,7 +101,8 @@ contains
             end do
          end associate
       end do
-      tied = tied .and. system%layout%n == 0
+      part = [pack(merge(small, small_on_ground, tied), (tied .or. based) .and. system%layout%n == 0), [(small, i=1, size(body))]]
+      tied = (tied .or. based) .and. system%layout%n == 0
       body = [pack([(i, i=1, size(tied))], tied), body]
       beside = [[(ground, i=1, count(tied))], beside]
    end subroutine find_motions
@@ -149,8 +163,8 @@ contains
       integer, intent(in) :: motion
       real(wp) :: own
       own = own_motion(self, motion)
-      little = own > max(none, nothing*system%model%dynamics%tolerance)*system%model%length .and. &
-         & own < small*system%model%length
+      little = own > max(none, nothing*system%model%dynamics%tolerance)*self%length(motion) .and. &
+         & own < self%small(motion)*self%length(motion)
    end function moves_little
 
    !> Half of the way between the places that a body has been at [length].
@@ -295,7 +309,7 @@ contains
       text = "body '"//system%model%bodies(self%body(worst))%name//"' moves by "//as_text(2*own_motion(self, worst), 2)//' '// &
          & system%model%units%length//' only'
       if (self%beside(worst) /= ground) text = text//" beside body '"//system%model%bodies(self%beside(worst))%name//"'"
-      text = text//', little beside the '//as_text(system%model%length, 2)//' '// &
+      text = text//', little beside the '//as_text(self%length(worst), 2)//' '// &
          & system%model%units%length//' and the speeds of the scene, on whose scale errors are judged: its place may be off by'// &
          & ' about '//as_text(100*min(most, 1.0_wp), 2)//' % of that motion'//trim(merge(' or more', '        ', most > 1.0_wp))// &
          & '; use TOLERANCE='//as_text(max(1.0e-13_wp, dynamics%tolerance*(aim/most)**power), 1)

@@ -29,7 +29,7 @@ module limber_analysis_static_analysis
    use limber_output_sample_sink, only: sink_type
    use limber_output_followed_turns, only: follow_places
    use limber_multibody_equilibrium, only: new_equilibrium, judge, descend, steady_motion, extent, &
-      & linearise_balance
+      & linearise_balance, begin_way
    use limber_multibody_free_motions, only: motion_text
    use limber_multibody_kinematics, only: place_frames, move_frames
    use limber_multibody_layout, only: advance
@@ -112,6 +112,7 @@ contains
       statics%recorder = new_recorder(scene%system, scene%q)
       if (allocated(scene%angle)) statics%recorder%turns%angle = scene%angle
       call follow_places(statics%recorder%turns, scene%system, scene%work%kinematics, scene%system%model%dynamics%start, scene%q)
+      allocate (statics%angles, source=scene%work%kinematics%angles)
       allocate (statics%q, source=scene%q)
       allocate (statics%trial, source=scene%q)
       allocate (statics%lambda(scene%system%nc), statics%trial_lambda(scene%system%nc))
@@ -389,6 +390,7 @@ contains
          if (round > 0) goal = statics%part + 0.25_wp*(goal - statics%part)
          statics%trial = statics%q
          statics%trial_lambda = statics%lambda
+         call begin_way(statics%balance, scene%work, statics%angles)
          call load_scene(scene, step, goal, statics)
          if (found .or. statics%part > 0.0_wp) call advance(scene%system%layout, statics%q, push*motion, statics%trial)
          call descend(scene%system, scene%work, statics%balance, time_of(step, goal), &

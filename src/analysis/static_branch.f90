@@ -11,9 +11,9 @@ module limber_analysis_static_branch
    use limber_output_channel_values, only: recorder_type
    use limber_output_followed_turns, only: follow_places
    use limber_multibody_equilibrium, only: equilibrium_type, find_equilibrium, linearise_balance, judge, descend, is_near, &
-      & extent, first_step, settle_beside
+      & extent, first_step, settle_beside, begin_way
    use limber_multibody_free_motions, only: motion_text
-   use limber_multibody_kinematics, only: place_frames, settle_angles, angle_type
+   use limber_multibody_kinematics, only: angle_type, place_frames, settle_angles
    use limber_multibody_turn_counts, only: driven_turn
    implicit none
    private
@@ -33,6 +33,8 @@ module limber_analysis_static_branch
       !> Part of the step that is done, and the state there: coordinates (nq), multipliers (nc); a trial of both
       real(wp) :: part = 0.0_wp
       real(wp), allocatable :: q(:), lambda(:), trial(:), trial_lambda(:), values(:)
+      !> Angles that are followed there: a trial that is dismissed has led them astray
+      type(angle_type), allocatable :: angles(:)
       !> Whether equilibrium was stable there; and whether that is known
       logical :: stable = .false., known = .false.
       !> True if the step ends before its time; and once it goes on along an equilibrium about which vibrations grow
@@ -102,6 +104,7 @@ contains
          call load_scene(scene, step, 0.0_wp, statics)
          statics%trial = statics%q
          statics%trial_lambda = statics%lambda
+         call begin_way(balance, scene%work, statics%angles)
          call find_equilibrium(scene%system, scene%work, balance, time_of(step, 0.0_wp), statics%trial, statics%trial_lambda, &
             & .false., done)
          if (.not. done) return
@@ -180,6 +183,7 @@ contains
          call load_scene(scene, step, part, statics)
          statics%trial = statics%q
          statics%trial_lambda = statics%lambda
+         call begin_way(balance, work, statics%angles)
          if (step%instability /= leave_unstable) then
             call find_equilibrium(system, work, balance, t, statics%trial, statics%trial_lambda, .false., done)
             if (done) call judge(system, work, balance, statics%trial_lambda)
@@ -187,6 +191,7 @@ contains
             if (statics%known) return
             statics%trial = statics%q
             statics%trial_lambda = statics%lambda
+            call begin_way(balance, work, statics%angles)
          end if
          call descend(system, work, balance, t, .true., statics%trial, statics%trial_lambda, done)
          if (.not. done .or. .not. balance%stable) return
@@ -212,7 +217,9 @@ contains
             call place_frames(scene%system%model, scene%system%layout, kinematics%time, statics%q, kinematics)
             call settle_angles(kinematics, .false.)
          end if
-         call follow_places(statics%recorder%turns, scene%system, kinematics, kinematics%time, statics%q)
+         call follow_places(statics%recorder%turns, scene%system, kinematics, kinematics%time, statics%q, statics%balance%turned)
+         statics%balance%turned = 0.0_wp
+         statics%angles(:) = kinematics%angles
       end associate
    end subroutine accept
 
@@ -242,6 +249,7 @@ contains
       associate (system => scene%system, work => scene%work, balance => statics%balance)
          statics%trial = statics%q
          statics%trial_lambda = statics%lambda
+         call begin_way(balance, work, statics%angles)
          ! Beyond a right angle Newton's method may find the opposite direction, which satisfies the same equation
          done = part - statics%part <= kink_part*part .or. &
             & .not. driven_turn(system, time_of(step, statics%part), time_of(step, part)) > most_turn

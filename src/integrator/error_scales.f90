@@ -12,7 +12,7 @@ module limber_integrator_error_scales
    use limber_multibody_system, only: system_type
    implicit none
    private
-   public :: scales_type, new_scales, update_scales, rate_scales, energy_scale, find_grain
+   public :: scales_type, new_scales, update_scales, rate_scales, energy_scale, find_grain, connected_lengths
 
    !> A scale for each component of [q; v]
    type :: scales_type
@@ -22,6 +22,9 @@ module limber_integrator_error_scales
       integer, allocatable :: group(:)
       !> Length of what is connected [length] (groups)
       real(wp), allocatable :: length(:)
+      !> Whether it is the way that they have made so far, and from where (groups); (2, groups)
+      logical, allocatable :: of_motion(:)
+      real(wp), allocatable :: middle(:, :)
       !> Speed [length/time], common to connected bodies, without coordinates that drivers prescribe, and that of these (groups)
       real(wp), allocatable :: speed(:), driven(:)
       !> Whether a driver prescribes x or y of a body (2, bodies)
@@ -51,7 +54,7 @@ contains
       allocate (scales%group(size(system%layout%q)))
       call find_groups(system, scales%group)
       allocate (scales%length(maxval([0, scales%group])))
-      call find_lengths(system, scales%group, scales%length)
+      call find_lengths(system, scales%group, scales%length, scales%of_motion, scales%middle)
       allocate (scales%speed, source=scales%length/duration)
       allocate (scales%driven(size(scales%speed)), source=0.0_wp)
       scales%deflection = 0.0_wp
@@ -128,22 +131,41 @@ contains
 
    end subroutine find_groups
 
+   !> Length of what is connected with each body [length] (bodies).
+   function connected_lengths(system) result(length)
+      type(system_type), intent(in) :: system
+      real(wp) :: length(size(system%layout%q))
+      integer :: group(size(length))
+      real(wp), allocatable :: of_group(:), middle(:, :)
+      logical, allocatable :: of_motion(:)
+      call find_groups(system, group)
+      allocate (of_group(maxval([0, group])))
+      call find_lengths(system, group, of_group, of_motion, middle)
+      length = of_group(group)
+   end function connected_lengths
+
    !> Length of what is connected: that of the scene if all is, else of the largest body; of point masses the extent of their
    !> places and of points of the ground that they are connected with, of one alone its distance from the origin, but no more than
-   !> the scene.
-   subroutine find_lengths(system, group, length)
+   !> the scene. If all of these are one place that the ground holds, it is the way that they make from there.
+   subroutine find_lengths(system, group, length, of_motion, middle)
       type(system_type), intent(in) :: system
       !> (bodies)
       integer, intent(in) :: group(:)
       !> (groups)
       real(wp), intent(out) :: length(:)
-      !> Least part of the length of the scene that a point mass has which nothing holds
-      real(wp), parameter :: part = 1.0e-3_wp
+      !> Whether it grows with the motion (groups); mean of the places (2, groups)
+      logical, allocatable, intent(out) :: of_motion(:)
+      real(wp), allocatable, intent(out) :: middle(:, :)
+      !> Least part of the length of the scene that a point mass has which nothing holds, and one that the ground holds where it is
+      real(wp), parameter :: part = 1.0e-3_wp, held_part = 1.0e-4_wp
+      !> Distances, relative to that from the origin, that are none; round-off of places that errors are to be above
+      real(wp), parameter :: together = 1.0e-9_wp, round_off = 1.0e2_wp*epsilon(1.0_wp)
       real(wp), dimension(size(length)) :: farthest, distance
-      real(wp) :: middle(2, size(length))
-      integer :: count(size(length)), i
-      length = system%model%length
-      if (size(length) <= 1) return
+      logical :: held(size(length))
+      integer :: places(size(length)), i
+      held = .false.
+      allocate (middle(2, size(length)), source=0.0_wp)
+      allocate (of_motion(size(length)), source=.false.)
       length = 0.0_wp
       distance = 0.0_wp
       do i = 1, size(group)
@@ -153,35 +175,39 @@ contains
             distance(group(i)) = max(distance(group(i)), norm2(body%position))
          end associate
       end do
-      middle = 0.0_wp
-      count = 0
+      places = 0
       farthest = 0.0_wp
       call visit_places(.true.)
       do i = 1, size(length)
-         middle(:, i) = middle(:, i)/max(1, count(i))
+         middle(:, i) = middle(:, i)/max(1, places(i))
       end do
       call visit_places(.false.)
       where (.not. length > 0.0_wp) length = 2*farthest
-      where (.not. length > 0.0_wp) length = max(part*system%model%length, min(distance, system%model%length))
+      do i = 1, size(length)
+         if (length(i) > together*max(distance(i), norm2(middle(:, i)))) cycle
+         length(i) = max(part*system%model%length, min(distance(i), system%model%length))
+         of_motion(i) = held(i) .and. all(group /= i .or. .not. system%layout%framed)
+         if (of_motion(i)) length(i) = max(held_part*length(i), round_off/system%model%dynamics%tolerance*distance(i))
+      end do
+      if (size(length) == 1 .and. .not. any(of_motion)) length = system%model%length
 
    contains
 
       !> Places of bodies, and of the ground where springs and joints hold them: added up, or their distances from the middle.
       subroutine visit_places(adds)
          logical, intent(in) :: adds
-         integer :: k, n
+         integer :: k
          do k = 1, size(group)
             call visit(group(k), system%model%bodies(k)%position, adds)
          end do
          do k = 1, size(system%model%joints)
             if (all(system%model%joints(k)%points > 0)) call visit_ground(system%model%joints(k)%points, adds)
          end do
-         do k = 1, size(system%loads)
-            associate (points => system%loads(k)%item%points)
-               do n = 2, size(points)
-                  if (all(points(n - 1:n) > 0)) call visit_ground(points(n - 1:n), adds)
-               end do
-            end associate
+         do k = 1, size(system%model%drivers)
+            if (all(system%model%drivers(k)%points > 0)) call visit_ground(system%model%drivers(k)%points, adds)
+         end do
+         do k = 1, size(system%model%load_parts)
+            if (all(system%model%load_parts(k)%points > 0)) call visit_ground(system%model%load_parts(k)%points, adds)
          end do
       end subroutine visit_places
 
@@ -189,19 +215,22 @@ contains
       subroutine visit_ground(points, adds)
          integer, intent(in) :: points(2)
          logical, intent(in) :: adds
-         integer :: bodies(2)
+         integer :: bodies(2), k
          bodies = system%model%points(points)%body
-         if (bodies(1) /= ground .and. bodies(2) == ground) call visit(group(bodies(1)), system%model%points(points(2))%p0, adds)
-         if (bodies(2) /= ground .and. bodies(1) == ground) call visit(group(bodies(2)), system%model%points(points(1))%p0, adds)
+         if (count(bodies == ground) /= 1) return
+         k = maxloc(bodies, 1)
+         held(group(bodies(k))) = .true.
+         call visit(group(bodies(k)), system%model%points(points(3 - k))%p0, adds)
       end subroutine visit_ground
 
+      !> Adds a place, or finds its distance.
       subroutine visit(of, place, adds)
          integer, intent(in) :: of
          real(wp), intent(in) :: place(2)
          logical, intent(in) :: adds
          if (adds) then
             middle(:, of) = middle(:, of) + place
-            count(of) = count(of) + 1
+            places(of) = places(of) + 1
          else
             farthest(of) = max(farthest(of), norm2(place - middle(:, of)))
          end if
@@ -235,6 +264,8 @@ contains
                call raise_to(scales%speed(scales%group(i)), abs(v(first + k - 1)))
             end if
          end do
+         if (scales%of_motion(scales%group(i))) call raise_to(scales%length(scales%group(i)), &
+            & 2*norm2(q(first:first + 1) - scales%middle(:, scales%group(i))))
          if (.not. system%layout%framed(i)) cycle
          call raise_to(scales%speed(scales%group(i)), scales%length(scales%group(i))*max(abs(v(first + 2)), abs(v(first + 3))))
          if (system%layout%n(i) == 0) cycle
@@ -332,6 +363,7 @@ contains
       class(scales_type), intent(inout) :: self
       type(snapshot_type), intent(inout) :: snapshot
       call snapshot%keep('value', self%value)
+      call snapshot%keep('length', self%length)
       call snapshot%keep('speed', self%speed)
       call snapshot%keep('driven_speed', self%driven)
       call snapshot%keep('deflection', self%deflection)

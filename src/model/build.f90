@@ -99,6 +99,8 @@ contains
          call trim_lists(model)
       end do
       call resolve_laws(model, diagnostics)
+      ! Again, with the points of the ground that joints and loads use
+      model%length = scene_length(model)
       do i = 1, size(deck%blocks)
          if (deck%blocks(i)%broken) cycle
          if (deck%blocks(i)%keyword == 'OUTPUT') call add_channels(deck%blocks(i), model, diagnostics)
@@ -214,14 +216,16 @@ contains
       if (.not. length > 0.0_wp) length = 1.0_wp
    end function scene_length
 
-   !> Twice the largest distance of the bodies and named ground points from their mean position; independent of the origin. 0 if
-   !> they are at one place.
+   !> Twice the largest distance of the bodies and of the named ground points that joints and loads use from their mean position;
+   !> independent of the origin. 0 if they are at one place.
    pure real(wp) function extent(model)
       type(model_type), intent(in) :: model
       !> Distances below this fraction of the distance to the origin count as zero
       real(wp), parameter :: together = 1.0e-9_wp
       real(wp) :: middle(2), farthest
+      logical :: used(0:size(model%points))
       integer :: i, count
+      used = used_points(model)
       middle = 0.0_wp
       count = 0
       do i = 1, size(model%bodies)
@@ -246,12 +250,29 @@ contains
 
    contains
 
-      !> Whether a point is a named point of the ground.
+      !> Whether a point is a named point of the ground that something uses.
       pure logical function is_place(i)
          integer, intent(in) :: i
-         is_place = model%points(i)%body == ground .and. model%points(i)%name /= 'ground.origin'
+         is_place = used(i) .and. model%points(i)%body == ground .and. model%points(i)%name /= 'ground.origin'
       end function is_place
 
    end function extent
+
+   !> Which points joints, drivers and loads use; the first place is for none.
+   pure function used_points(model) result(used)
+      type(model_type), intent(in) :: model
+      logical :: used(0:size(model%points))
+      integer :: i
+      used = .false.
+      do i = 1, size(model%joints)
+         used(model%joints(i)%points) = .true.
+      end do
+      do i = 1, size(model%drivers)
+         used(model%drivers(i)%points) = .true.
+      end do
+      do i = 1, size(model%load_parts)
+         used(model%load_parts(i)%points) = .true.
+      end do
+   end function used_points
 
 end module limber_model_build

@@ -7,18 +7,18 @@ module limber_multibody_equilibrium
    use limber_multibody_plane_vectors, only: turn
    use limber_multibody_equations_of_motion, only: position_residual, worst_constraint
    use limber_multibody_free_motions, only: free_motions_type, find_freedom, lowest_stiffness, has_potential, rate_scales
-   use limber_multibody_kinematics, only: move_frames, angle_type
+   use limber_multibody_kinematics, only: angle_type, move_frames
    use limber_multibody_layout, only: advance
    use limber_multibody_sparse_eigenmodes, only: nearest_eigenvalues, is_large, by_scales
    use limber_multibody_motion_residual, only: motion_residual, linearise_motion, linearise_loads
    use limber_multibody_system, only: system_type, workspace_type
    use limber_multibody_tangent, only: tangent_type, new_tangent, combine, gather, static_softness, solve_refined
    use limber_multibody_small_vibrations, only: find_growth
+   use limber_multibody_turn_counts, only: count_turns
    implicit none
    private
    public :: equilibrium_type, new_equilibrium, find_equilibrium, settle, settle_rates, linearise_balance, judge, &
-      & descend, steady_motion, is_near, extent, first_step, &
-      & settle_beside
+      & descend, steady_motion, is_near, extent, first_step, settle_beside, begin_way
 
    !> Change of a coordinate relative to its scale: aimed at, taken where round-off forbids more, and most in an iteration
    real(wp), parameter :: aim = 1.0e-12_wp, good = 1.0e-8_wp, most_change = 0.25_wp
@@ -57,6 +57,8 @@ module limber_multibody_equilibrium
       integer, allocatable :: diagonal(:)
       !> Change of the coordinates in the last `find_equilibrium`, and that of its first step (nw)
       real(wp), allocatable :: change(:), first_change(:)
+      !> By how much frames have turned since `begin_way`, whole turns too (bodies) [rad]
+      real(wp), allocatable :: turned(:)
    end type equilibrium_type
 
 contains
@@ -73,6 +75,7 @@ contains
          allocate (balance%moved(nq), balance%diagonal(nw))
          balance%softest = 0.0_wp
          allocate (balance%left(nw), balance%change(nw), balance%first_change(nw))
+         allocate (balance%turned(size(system%layout%q)), source=0.0_wp)
          balance%left = 0.0_wp
          balance%scale = rate_scales(system)
          do i = 1, nw
@@ -207,12 +210,32 @@ contains
       real(wp), intent(inout) :: q(:), lambda(:)
       associate (nw => system%layout%nw)
          balance%solution(:nw) = part*balance%solution(:nw)
-         call advance(system%layout, q, balance%solution(:nw), balance%moved)
-         q = balance%moved
+         call go(system, balance%solution(:nw), balance%moved, balance%turned, q)
          lambda = lambda + part*balance%solution(nw + 1:)
       end associate
       balance%iterations = balance%iterations + 1
    end subroutine take_step
+
+   !> Moves to a place near by, and counts the turns on the way.
+   pure subroutine go(system, change, moved, turned, q)
+      type(system_type), intent(in) :: system
+      !> (nw)
+      real(wp), intent(in) :: change(:)
+      !> Scratch (nq); turns so far (bodies); coordinates (nq)
+      real(wp), intent(inout) :: moved(:), turned(:), q(:)
+      call advance(system%layout, q, change, moved)
+      call count_turns(system%layout, q, moved, turned)
+      q = moved
+   end subroutine go
+
+   !> Begins a way at a place that counts, with the angles that are followed there.
+   subroutine begin_way(balance, work, angles)
+      type(equilibrium_type), intent(inout) :: balance
+      type(workspace_type), intent(inout) :: work
+      type(angle_type), intent(in) :: angles(:)
+      balance%turned = 0.0_wp
+      work%kinematics%angles(:) = angles
+   end subroutine begin_way
 
    !> Newton's method from a place near by. Leaves residuals and derivatives at the last place.
    subroutine find_equilibrium(system, work, balance, t, q, lambda, keeps_near, done)
@@ -228,13 +251,14 @@ contains
       logical, intent(out) :: done
       integer, parameter :: most = 30
       real(wp), parameter :: astray = 4
-      real(wp), allocatable :: first(:), first_lambda(:)
+      real(wp), allocatable :: first(:), first_lambda(:), first_turned(:)
       type(angle_type), allocatable :: angles(:)
       real(wp) :: size_of, last
       integer :: round
-      allocate (angles, source=work%kinematics%angles)
       allocate (first, source=q)
       allocate (first_lambda, source=lambda)
+      allocate (first_turned, source=balance%turned)
+      allocate (angles, source=work%kinematics%angles)
       done = .false.
       last = huge(last)
       balance%change = 0.0_wp
@@ -260,7 +284,8 @@ contains
       else
          q = first
          lambda = first_lambda
-         work%kinematics%angles = angles
+         balance%turned = first_turned
+         work%kinematics%angles(:) = angles
       end if
    end subroutine find_equilibrium
 
@@ -494,13 +519,15 @@ contains
       real(wp), parameter :: push = 1.0e-2_wp, closed = 1.0e-6_wp, underway = 1.0e-3_wp
       !> Energy that none has
       real(wp), parameter :: endless = 1.0e100_wp
-      real(wp), allocatable :: found(:), found_lambda(:)
-      type(angle_type), allocatable :: angles(:)
+      real(wp), allocatable :: found(:), found_lambda(:), turned(:)
+      type(angle_type), allocatable :: angles(:), first_angles(:)
       real(wp) :: spring, size_of, gap, least_gap
       integer :: round, trial, closing
       allocate (found, source=q)
       allocate (found_lambda, source=lambda)
+      allocate (turned, source=balance%turned)
       allocate (angles, source=work%kinematics%angles)
+      allocate (first_angles, source=angles)
       done = .false.
       balance%has_left = .false.
       balance%open = 0
@@ -533,8 +560,7 @@ contains
                balance%has_left = .true.
                balance%left = balance%softest
                balance%motion = push*balance%softest
-               call advance(system%layout, q, balance%motion, balance%moved)
-               q = balance%moved
+               call go(system, balance%motion, balance%moved, balance%turned, q)
                cycle
             end if
          end if
@@ -542,17 +568,23 @@ contains
          if (.not. balance%stable .or. size_of > 0.1_wp) cycle
          found = q
          found_lambda = lambda
+         turned = balance%turned
+         angles(:) = work%kinematics%angles
          call find_equilibrium(system, work, balance, t, found, found_lambda, .false., done)
          if (.not. done) cycle
          call judge_stiffness(system, work, balance, found_lambda)
          done = balance%stable .or. balance%neutral
-         if (.not. done) cycle
+         if (.not. done) then
+            balance%turned = turned
+            work%kinematics%angles(:) = angles
+            cycle
+         end if
          q = found
          lambda = found_lambda
          return
       end do
       if (gap > closed) call close_constraints()
-      work%kinematics%angles = angles
+      work%kinematics%angles(:) = first_angles
 
    contains
 

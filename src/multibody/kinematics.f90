@@ -298,7 +298,13 @@ contains
          end associate
       end do
       do m = 1, size(kinematics%angles)
-         if (kinematics%angles(m)%drive > 0) call take_drive(kinematics, kinematics%angles(m))
+         if (kinematics%angles(m)%drive > 0) then
+            associate (marker => kinematics%markers(kinematics%angles(m)%markers(2)))
+               first = layout%q(marker%body) + 4
+               call take_drive(kinematics, kinematics%angles(m), dot_product(model%points(marker%point)%psi, &
+                  & q(first:first + layout%n(marker%body) - 1)))
+            end associate
+         end if
          call follow_angle(kinematics%markers, kinematics%time, kinematics%angles(m))
       end do
       do i = 1, size(kinematics%bends)
@@ -341,10 +347,12 @@ contains
    end subroutine settle_angles
 
    !> The turns of a driven frame are those of its driver's law, whatever it was before.
-   pure subroutine take_drive(kinematics, angle)
+   pure subroutine take_drive(kinematics, angle, bend)
       type(kinematics_type), intent(in) :: kinematics
       type(angle_type), intent(inout) :: angle
-      angle%anchor = kinematics%drives(angle%drive)%value + angle%own
+      !> Of the section from its frame [rad]
+      real(wp), intent(in) :: bend
+      angle%anchor = kinematics%drives(angle%drive)%value + angle%own + bend
       angle%since = kinematics%time
    end subroutine take_drive
 

@@ -11,14 +11,15 @@ module limber_multibody_load_list
    use limber_multibody_load_functions, only: load_function_type, compare_gauges, gauge_shift, gauge_distance, gauge_slide, &
       & gauge_angle
    use limber_multibody_load, only: load_type, load_item_type, dead_force_type, body_torque_type
-   use limber_multibody_marker_registry, only: registry_type, marker_of, direction_of, angle_of, frame_point
+   use limber_multibody_marker_registry, only: registry_type, marker_of, direction_of, angle_of, frame_point, &
+      & guessed_position
    use limber_multibody_plane_vectors, only: axis_of
    use limber_multibody_springs, only: point_spring_type
    implicit none
    private
    public :: new_loads
 
-   !> Distance below which a spring's direction fades, relative to the characteristic length
+   !> Distance below which a spring's direction fades, relative to its length
    real(wp), parameter :: softening = 1.0e-10_wp
 
 contains
@@ -115,10 +116,21 @@ contains
       pull%stiffness = part%stiffness
       pull%free_length = part%origin
       pull%damping = part%damping
-      pull%softening = softening*system%model%length
+      pull%softening = softening_of(system, part)
       pull%powered = part%damping > 0.0_wp
       allocate (item, source=pull)
    end subroutine add_spring
+
+   !> Distance below which the direction of a spring fades: far below its own length, but not below the round-off of its places.
+   real(wp) function softening_of(system, part) result(distance)
+      class(registry_type), intent(in) :: system
+      type(load_part_type), intent(in) :: part
+      real(wp) :: a(2), b(2)
+      a = guessed_position(system, system%model%points(part%points(1)))
+      b = guessed_position(system, system%model%points(part%points(2)))
+      distance = max(softening*max(abs(part%origin), norm2(b - a)), 4*epsilon(a)*max(norm2(a), norm2(b)))
+      if (.not. max(abs(part%origin), norm2(b - a)) > 0.0_wp) distance = max(distance, softening*system%model%length)
+   end function softening_of
 
    !> Whether a part may resist places of its points.
    pure logical function may_resist(part)
@@ -227,7 +239,7 @@ contains
          gauge%axis = axis_of(part%angle)
       case (along_distance)
          gauge%kind = gauge_distance
-         gauge%softening = softening*system%model%length
+         gauge%softening = softening_of(system, part)
       case (along_follower)
          gauge%kind = gauge_slide
          gauge%markers(3) = direction_of(system, part%points(1), part%angle)

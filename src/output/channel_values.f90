@@ -24,7 +24,7 @@ module limber_output_channel_values
 
    !> What is remembered between samples: the angles of frames, accumulated over turns
    type :: recorder_type
-      !> Of the bodies whose angle a channel asks for
+      !> Of all frames
       type(turns_type) :: turns
       !> True if anything is asked for but deflections: where bodies are, too
       logical :: needs_places = .false.
@@ -60,9 +60,7 @@ contains
       !> Coordinates (nq)
       real(wp), contiguous, intent(in) :: q(:)
       type(recorder_type) :: recorder
-      integer, allocatable :: turning(:)
       integer :: i, j, most
-      allocate (turning(0))
       most = 0
       do i = 1, size(system%model%channels)
          most = max(most, size(system%model%channels(i)%quantities))
@@ -70,8 +68,6 @@ contains
             associate (quantity => system%model%channels(i)%quantities(j))
                recorder%needs_places = recorder%needs_places .or. is_of_place(system, quantity)
                select case (quantity%kind)
-               case (quantity_angle); turning = [turning, quantity%of]
-               case (quantity_joint_angle); turning = [turning, turning_bodies(system, quantity%of)]
                case (quantity_ax, quantity_ay, quantity_force_x, quantity_force_y, quantity_torque, quantity_tension, &
                      & quantity_force_1, quantity_force_2, quantity_moment, quantity_force, quantity_power, &
                      & quantity_elongation, quantity_rate, quantity_coupling)
@@ -100,7 +96,7 @@ contains
       call list_asked(system, recorder)
       allocate (recorder%efforts, source=new_efforts(system))
       if (system%model%motion) allocate (recorder%drawn, source=new_drawn(system%model))
-      recorder%turns = new_turns(system, turning, q)
+      recorder%turns = new_turns(system, q)
    end function new_recorder
 
    !> Lists what is asked for. What several channels ask for, mostly channels that stand together, is found once.
@@ -155,21 +151,6 @@ contains
          is_of_place = system%model%bodies(system%model%points(quantity%of)%body)%whole > 0
       end select
    end function is_of_place
-
-   !> Bodies of a joint that have an angle.
-   pure function turning_bodies(system, joint) result(bodies)
-      type(system_type), intent(in) :: system
-      integer, intent(in) :: joint
-      integer, allocatable :: bodies(:)
-      integer :: side
-      allocate (bodies(0))
-      do side = 1, 2
-         associate (body => system%constraints(joint)%item%bodies(side))
-            if (body == ground) cycle
-            if (system%layout%framed(body)) bodies = [bodies, body]
-         end associate
-      end do
-   end function turning_bodies
 
    !> Angle of the first section of a joint from the second, accumulated over turns.
    pure real(wp) function joint_angle(recorder, system, joint, t, q) result(angle)
@@ -300,7 +281,7 @@ contains
       case (quantity_rotation)
          associate (point => system%model%points(quantity%of))
             if (system%model%bodies(point%body)%whole > 0) then
-               value = whole_rotation(system, quantity%of, q)
+               value = whole_rotation(recorder%turns, system, quantity%of, t, q)
             else
                value = dot_product(point%psi, q(system%layout%q(point%body) + 4:system%layout%q(point%body) + 3 + size(point%psi)))
             end if

@@ -1,6 +1,6 @@
-!> Angles accumulated over turns. From state to state of an analysis, and within a step of a motion. Which turn it is the law of its
-!> driver says, or else the speeds at both ends of the step, so that none is lost however far a step turns. Floor: output. Source:
-!> doc/theory, eqs. (3.10)-(3.12).
+!> Angles of all frames, accumulated over turns. From state to state of an analysis, and within a step of a motion. Which turn it is
+!> the law of its driver says, or else the speeds at both ends of the step, so that none is lost however far a step turns; between
+!> two equilibria the way of the search. Floor: output. Source: doc/theory, eqs. (3.10)-(3.12).
 module limber_output_followed_turns
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
@@ -10,7 +10,7 @@ module limber_output_followed_turns
    use limber_multibody_plane_vectors, only: cross
    use limber_multibody_kinematics, only: kinematics_type
    use limber_multibody_system, only: system_type
-   use limber_multibody_turn_counts, only: start_turns, angle_near
+   use limber_multibody_turn_counts, only: start_turns, unite_turns, angle_near
    implicit none
    private
    public :: turns_type, new_turns, follow_places, follow_motion, turned_angle
@@ -24,8 +24,8 @@ module limber_output_followed_turns
       real(wp) :: time = 0.0_wp, time_before = 0.0_wp
       !> Whether they follow a motion
       logical :: moving = .false.
-      !> Bodies whose angle is asked for; drivers that give them (bodies), 0: none
-      integer, allocatable :: bodies(:), drivers(:)
+      !> Drivers that give them (bodies), 0: none
+      integer, allocatable :: drivers(:)
    contains
       procedure :: exchange => exchange_turns
    end type turns_type
@@ -33,22 +33,15 @@ module limber_output_followed_turns
 contains
 
    !> Angles at the first state, with the turns that the deck gives.
-   function new_turns(system, bodies, q) result(turns)
+   function new_turns(system, q) result(turns)
       type(system_type), intent(in) :: system
-      !> Bodies whose angle is asked for, some more than once
-      integer, intent(in) :: bodies(:)
       !> Coordinates (nq)
       real(wp), intent(in) :: q(:)
       type(turns_type) :: turns
       type(jet_type) :: motion
-      logical, allocatable :: asked(:)
       integer :: i, n
       n = size(system%model%bodies)
       allocate (turns%angle(n), turns%spin(n), turns%drivers(n))
-      allocate (asked(n), source=.false.)
-      asked(bodies) = .true.
-      allocate (turns%bodies(count(asked)))
-      turns%bodies(:) = pack([(i, i=1, n)], asked)
       turns%drivers = 0
       turns%spin = 0.0_wp
       turns%angle = system%model%bodies%angle
@@ -62,16 +55,15 @@ contains
       end do
       allocate (turns%before(n), source=turns%angle)
       allocate (turns%spin_before(n), source=turns%spin)
-      do i = 1, size(turns%bodies)
-         associate (body => turns%bodies(i))
-            turns%angle(body) = angle_near(turns%angle(body), q(system%layout%q(body) + 2:))
-         end associate
+      call unite_turns(system, q, turns%angle)
+      do i = 1, n
+         if (system%layout%framed(i)) turns%angle(i) = angle_near(turns%angle(i), q(system%layout%q(i) + 2:))
       end do
    end function new_turns
 
    !> Carries the angles on to a state that is the start of an analysis, or follows no motion: less than half a turn away, but for
-   !> what drivers and joints tell of them.
-   subroutine follow_places(turns, system, kinematics, t, q)
+   !> what drivers and joints tell of them, and the way that led there.
+   subroutine follow_places(turns, system, kinematics, t, q, turned)
       type(turns_type), intent(inout) :: turns
       type(system_type), intent(in) :: system
       !> Placed there; its angles agree with these behind
@@ -79,7 +71,10 @@ contains
       !> Time; coordinates (nq)
       real(wp), intent(in) :: t
       real(wp), contiguous, intent(in) :: q(:)
+      !> By how much the frames have turned since the last state (bodies) [rad]
+      real(wp), intent(in), optional :: turned(:)
       turns%moving = .false.
+      if (present(turned)) turns%angle = turns%angle + turned
       call start_turns(system, kinematics, t, q, turns%angle)
    end subroutine follow_places
 
@@ -90,9 +85,9 @@ contains
       !> Time; coordinates and velocities (nq)
       real(wp), intent(in) :: t, q(:), v(:)
       real(wp) :: spin, expected
-      integer :: i, body, first
-      do i = 1, size(turns%bodies)
-         body = turns%bodies(i)
+      integer :: body, first
+      do body = 1, size(turns%angle)
+         if (.not. system%layout%framed(body)) cycle
          first = system%layout%q(body) + 2
          spin = cross(q(first:first + 1), v(first:first + 1))
          expected = turns%angle(body)

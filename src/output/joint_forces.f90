@@ -8,6 +8,7 @@ module limber_output_joint_forces
    use limber_multibody_plane_vectors, only: along, cross, turn
    use limber_multibody_point_motion, only: point_position, point_velocity
    use limber_multibody_system, only: system_type, workspace_type
+   use limber_multibody_turn_counts, only: section_bend
    implicit none
    private
    public :: joint_force, joint_force_in_frame, joint_moment, joint_displacement, joint_sliding, section_rotation, joint_spin
@@ -174,14 +175,7 @@ contains
       !> Index of the point
       integer, intent(in) :: point
       real(wp), intent(in) :: q(:)
-      integer :: first
-      associate (own => system%model%points(point))
-         angle = -own%lean
-         if (size(own%psi) == 0) return
-         first = system%layout%q(own%body) + 4
-         angle = dot_product(own%psi, q(first:first + size(own%psi) - 1)) - own%lean
-         if (.not. own%exact) angle = atan(angle)
-      end associate
+      angle = section_bend(system, point, q) - system%model%points(point)%lean
    end function section_rotation
 
    !> Angular velocity of the first section of a joint relative to the second.

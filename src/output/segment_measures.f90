@@ -3,10 +3,10 @@
 !> frame of an undivided beam does. Floor: output. Source: doc/theory, eq. (2.61).
 module limber_output_segment_measures
    use limber_base_kinds, only: wp
-   use limber_beam_exact_beam, only: angles_at, lean_at
    use limber_multibody_plane_vectors, only: cross
    use limber_multibody_point_motion, only: point_position, point_velocity
    use limber_multibody_system, only: system_type
+   use limber_output_followed_turns, only: turns_type, turned_angle
    implicit none
    private
    public :: whole_direction, whole_spin, whole_displacement, whole_rotation
@@ -92,59 +92,31 @@ contains
       end associate
    end function whole_displacement
 
-   !> Rotation of the section at a point of a beam in segments within the whole beam's frame [rad]: of the first piece less than
-   !> half a turn, from piece to piece by what the one before is bent, for they are welded.
-   pure real(wp) function whole_rotation(system, point, q) result(angle)
+   !> Rotation of the section at a point of a beam in segments or a large frame within the frame of the whole [rad]: of the first
+   !> piece less than half a turn, of the others with the turns that they have made beside it.
+   pure real(wp) function whole_rotation(turns, system, point, t, q) result(angle)
+      type(turns_type), intent(in) :: turns
       type(system_type), intent(in) :: system
       integer, intent(in) :: point
-      real(wp), intent(in) :: q(:)
-      real(wp) :: slope, before(2), here(2)
-      real(wp), parameter :: whole_turn = 2*acos(-1.0_wp)
-      integer :: body, first
-      associate (own => system%model%points(point))
-         before = whole_direction(system, system%model%bodies(own%body)%whole, q)
-         angle = 0.0_wp
-         associate (whole => system%model%wholes(system%model%bodies(own%body)%whole))
-            if (allocated(whole%lean)) then
-               first = system%layout%q(own%body) + 2
-               before = turned(before, whole%lean(own%body - whole%first + 1))
-               here = q(first:first + 1)
-               first = system%layout%q(own%body) + 4
-               angle = atan2(cross(before, here), dot_product(before, here)) + dot_product(own%psi, &
-                  & q(first:first + size(own%psi) - 1))
-               return
-            end if
-         end associate
-         do body = system%model%wholes(system%model%bodies(own%body)%whole)%first, own%body
-            first = system%layout%q(body) + 2
-            here = q(first:first + 1)
-            slope = atan2(cross(before, here), dot_product(before, here))
-            if (body > system%model%wholes(system%model%bodies(own%body)%whole)%first) &
-               & slope = slope + whole_turn*anint((end_angle(system, body - 1, q, slope) - slope)/whole_turn)
-            angle = angle + slope
-            before = here
-         end do
-         first = system%layout%q(own%body) + 4
-         slope = dot_product(own%psi, q(first:first + size(own%psi) - 1))
-         angle = angle + slope
+      real(wp), intent(in) :: t, q(:)
+      real(wp) :: direction(2), here(2)
+      integer :: first, own
+      own = system%model%points(point)%body
+      associate (whole => system%model%wholes(system%model%bodies(own)%whole))
+         first = system%layout%q(whole%first) + 2
+         here = q(first:first + 1)
+         direction = whole_direction(system, system%model%bodies(own)%whole, q)
+         angle = atan2(cross(direction, here), dot_product(direction, here))
+         if (allocated(whole%lean)) angle = whole%lean(1) - whole%lean(own - whole%first + 1)
+         if (own /= whole%first) then
+            angle = angle - turned_angle(turns, system, whole%first, t, here)
+            first = system%layout%q(own) + 2
+            angle = angle + turned_angle(turns, system, own, t, q(first:first + 1))
+         end if
       end associate
+      first = system%layout%q(own) + 4
+      angle = angle + dot_product(system%model%points(point)%psi, q(first:first + size(system%model%points(point)%psi) - 1))
    end function whole_rotation
-
-   !> Angle of the section at the end of a piece in its frame, which is the section at its start, if it is an exact beam [rad].
-   pure real(wp) function end_angle(system, body, q, otherwise) result(angle)
-      type(system_type), intent(in) :: system
-      integer, intent(in) :: body
-      real(wp), intent(in) :: q(:)
-      !> Of other pieces, which bend little [rad]
-      real(wp), intent(in) :: otherwise
-      integer :: first
-      angle = otherwise
-      if (.not. system%model%bodies(body)%reduced%is_exact) return
-      first = system%layout%q(body) + 4
-      associate (exact => system%model%bodies(body)%reduced%exact)
-         angle = lean_at(exact, exact%total) + dot_product(angles_at(exact, exact%total), q(first:first + exact%angles - 1))
-      end associate
-   end function end_angle
 
    !> A vector turned by an angle [rad].
    pure function turned(vector, angle)

@@ -7,7 +7,7 @@ module limber_scene_analysis_gaps
    use limber_multibody_assembly_newton, only: close_positions
    use limber_multibody_constraint_matrix, only: constraint_matrix_type, new_constraint_matrix
    use limber_multibody_kinematics, only: angle_type, place_frames, settle_angles
-   use limber_multibody_turn_counts, only: driven_turn
+   use limber_multibody_turn_counts, only: count_turns, driven_turn
    implicit none
    private
    public :: pass_gap
@@ -24,7 +24,7 @@ contains
       !> Times of the place, and of where it goes
       real(wp), intent(in) :: from, to
       type(constraint_matrix_type) :: frames
-      real(wp) :: t, next, step, q(size(scene%q))
+      real(wp) :: t, next, step, q(size(scene%q)), before(size(scene%q)), turned(size(scene%system%layout%q))
       type(angle_type), allocatable :: angles(:)
       integer :: tries
       logical :: done
@@ -34,6 +34,7 @@ contains
       end if
       allocate (angles, source=scene%work%kinematics%angles)
       q = scene%q
+      turned = 0.0_wp
       t = from
       next = to
       associate (system => scene%system, work => scene%work)
@@ -43,13 +44,16 @@ contains
                next = t + 0.5_wp*(next - t)
                cycle
             end if
+            before = q
             call close_positions(system, work, frames, next, q, done)
             if (.not. done) exit
+            call count_turns(system%layout, before, q, turned)
             call place_frames(system%model, system%layout, next, q, work%kinematics)
             call settle_angles(work%kinematics, .false.)
             if (.not. abs(to - next) > 0.0_wp) then
                call turn_rates(system, scene%q, q, scene%v)
                scene%q = q
+               if (allocated(scene%angle)) scene%angle = scene%angle + turned
                return
             end if
             step = next - t

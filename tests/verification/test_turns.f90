@@ -4,10 +4,11 @@
 program test_turns
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
+   use limber_base_text, only: newline
    use limber_commands_run, only: run_deck
    use limber_output_history_reader, only: history_reader_type
-   use runs, only: run_changed, change_deck, channel
-   use testing, only: check, check_close, finish
+   use runs, only: run_changed, run_text, change_deck, channel
+   use testing, only: check, check_close, check_no_error, finish
    implicit none
 
    character(256) :: results
@@ -27,6 +28,12 @@ program test_turns
    end do
    call check_drivers()
    call check_pair()
+   call check_torque()
+   call check_snap()
+   call check_rolled()
+   call check_rolled_frame()
+   call check_driven_beam()
+   call check_gap()
    call finish()
 
 contains
@@ -109,6 +116,166 @@ contains
          call reader%close()
       end do
    end subroutine check_pair
+
+   !> Runs a deck that the text of it gives, and opens its history.
+   subroutine run_here(text, label, reader)
+      character(*), intent(in) :: text, label
+      type(history_reader_type), intent(out) :: reader
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report
+      call run_text(text, trim(results), report, error)
+      call check_no_error(error, label)
+      if (allocated(error)) error stop 1
+      call reader%open(trim(results), error)
+      call check_no_error(error, label//': results')
+   end subroutine run_here
+
+   !> Compares a channel with what it is to be, sample by sample.
+   subroutine check_channel(reader, name, expected, label)
+      type(history_reader_type), intent(in) :: reader
+      character(*), intent(in) :: name, label
+      real(wp), intent(in) :: expected(:)
+      call check_close(maxval(abs(channel(reader, name) - expected)), 0.0_wp, 1.0e-6_wp, label//': '//name)
+   end subroutine check_channel
+
+   !> One equilibrium winds a spring of 0.5 by 40/0.5 = 80 rad, and a motion begins there.
+   subroutine check_torque()
+      type(history_reader_type) :: reader
+      character(*), parameter :: label = 'a torque that winds a spring at once'
+      call run_here('*RIGID BODY, NAME=b, MASS=1, INERTIA=0.1'//newline//'*JOINT, NAME=j, TYPE=REVOLUTE'//newline// &
+         & ' b, ground.origin'//newline//'*SPRING, NAME=s, TYPE=ROTATIONAL, STIFFNESS=0.5'//newline//' ground.origin, b'// &
+         & newline//'*TORQUE, NAME=t, BODY=b'//newline//' 40'//newline//'*STATICS, PERIOD=0, RAMP=NO'//newline// &
+         & '*DYNAMICS, END=1, OUTPUTS=2'//newline//'*OUTPUT'//newline//' a = angle(b), j = joint_angle(j), e = elongation(s)' &
+         & //newline, label, reader)
+      call check_channel(reader, 'a', spread(80.0_wp, 1, 4), label)
+      call check_channel(reader, 'j', spread(80.0_wp, 1, 4), label)
+      call check_channel(reader, 'e', spread(80.0_wp, 1, 4), label)
+      call reader%close()
+   end subroutine check_torque
+
+   !> A pendulum on a spring snaps over and winds it by a turn: k phi + m g l sin(phi) = M, with the same phi in all channels.
+   subroutine check_snap()
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      real(wp), allocatable :: t(:), phi(:)
+      character(*), parameter :: label = 'a pendulum that snaps over'
+      call run_here('*RIGID BODY, NAME=b, MASS=1, INERTIA=0.1, CENTRE X=1, ANGLE=-pi/2'//newline// &
+         & '*JOINT, NAME=j, TYPE=REVOLUTE'//newline//' b, ground.origin'//newline//'*GRAVITY'//newline// &
+         & '*SPRING, NAME=s, TYPE=ROTATIONAL, STIFFNESS=0.5, ANGLE=-pi/2'//newline//' ground.origin, b'//newline// &
+         & '*TORQUE, NAME=t, BODY=b'//newline//' 12*min(t, 1)'//newline//'*STATICS, RAMP=NO'//newline// &
+         & '*DYNAMICS, START=1, END=2, OUTPUTS=2'//newline// &
+         & '*OUTPUT'//newline//' a = angle(b) + pi/2, j = joint_angle(j) + pi/2, e = elongation(s)'//newline, label, reader)
+      call reader%read_time(t, error)
+      phi = channel(reader, 'a')
+      call check_channel(reader, 'j', phi, label)
+      call check_channel(reader, 'e', phi, label)
+      call check_close(maxval(abs(0.5_wp*phi + 9.81_wp*sin(phi) - 12*min(t, 1.0_wp))), 0.0_wp, 1.0e-5_wp, label//': balance')
+      call check(phi(size(phi)) > 2*acos(-1.0_wp), label//': it has gone over')
+      call reader%close()
+   end subroutine check_snap
+
+   !> A body that is welded to the end of a beam, which a couple rolls up to two turns before the first state.
+   subroutine check_rolled()
+      type(history_reader_type) :: reader
+      character(*), parameter :: start(2) = [character(9) :: 'STATIC', 'FOLLOWING'], segments(2) = ['1', '4'], &
+         & turn(2) = [character(8) :: ', TURN=0', '']
+      real(wp), parameter :: two_turns = 4*acos(-1.0_wp)
+      character(80) :: label
+      integer :: i, k
+      do i = 1, 2
+         do k = 1, 2
+            label = 'a beam rolled up at the start, '//trim(start(i))//', SEGMENTS='//segments(k)//turn(i)
+            call run_here('*MATERIAL, NAME=a, YOUNG=1, DENSITY=1'//newline// &
+               & '*SECTION, NAME=s, SHAPE=GENERAL, AREA=1e4, INERTIA=1'//newline// &
+               & '*BEAM, NAME=b, MATERIAL=a, SECTION=s, LENGTH=10, SEGMENTS='//segments(k)//newline// &
+               & '*RIGID BODY, NAME=c, MASS=1, INERTIA=0.1, X=10'//newline//'*JOINT, NAME=w, TYPE=WELD, TURN=0'//newline// &
+               & ' b.start, ground.origin'//newline//'*JOINT, NAME=j, TYPE=WELD'//trim(turn(i))//newline//' c, b.end'//newline// &
+               & '*TORQUE, NAME=t, POINT=b.end'//newline//' 4*pi/10'//newline//'*ASSEMBLY, INITIAL DEFLECTIONS='//trim(start(i)) &
+               & //newline//'*DYNAMICS, END=1e-3, OUTPUTS=2'//newline//'*OUTPUT'//newline//' a = angle(c), j = joint_angle(j)' &
+               & //newline, trim(label), reader)
+            call check_channel(reader, 'a', spread(two_turns, 1, 3), trim(label))
+            call check_channel(reader, 'j', spread(0.0_wp, 1, 3), trim(label))
+            call reader%close()
+         end do
+      end do
+   end subroutine check_rolled
+
+   !> A cantilever of two members of a large frame, whatever their direction, which a couple rolls up to 1.2 turns: its rotation is
+   !> M s/(E I), in *STATICS and in a motion that begins there.
+   subroutine check_rolled_frame()
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      character(*), parameter :: member(2) = [' 2, 2, 3', ' 2, 3, 2'], increments(2) = ['20', '1 ']
+      real(wp), parameter :: turns = 2.4_wp*acos(-1.0_wp)
+      real(wp), allocatable :: t(:)
+      character(80) :: label
+      integer :: i, k
+      do i = 1, 2
+         do k = 1, 2
+            label = 'a frame rolled up, member'//member(i)//', INCREMENTS='//trim(increments(k))
+            call run_here('*MATERIAL, NAME=a, YOUNG=1, DENSITY=1'//newline// &
+               & '*SECTION, NAME=s, SHAPE=GENERAL, AREA=1e4, INERTIA=1'//newline// &
+               & '*FRAME, NAME=b, MATERIAL=a, SECTION=s, LARGE=YES'//newline//'*NODE'//newline//' 1, 0, 0, start'//newline// &
+               & ' 2, 5, 0, middle'//newline//' 3, 10, 0, end'//newline//'*ELEMENT'//newline//' 1, 1, 2'//newline//member(i)// &
+               & newline//'*JOINT, NAME=w, TYPE=WELD, TURN=0'//newline//' b.start, ground.origin'//newline// &
+               & '*TORQUE, NAME=t, POINT=b.end'//newline//' 2*pi*1.2/10*min(t, 1)'//newline// &
+               & '*STATICS, RAMP=NO, INCREMENTS='//trim(increments(k))//newline// &
+               & '*DYNAMICS, START=1, END=1.01, OUTPUTS=2'//newline//'*OUTPUT'//newline// &
+               & ' m = rotation(b.middle), e = rotation(b.end)'//newline, trim(label), reader)
+            call reader%read_time(t, error)
+            call check_channel(reader, 'm', 0.5_wp*turns*min(t, 1.0_wp), trim(label))
+            call check_channel(reader, 'e', turns*min(t, 1.0_wp), trim(label))
+            call reader%close()
+            deallocate (t)
+         end do
+      end do
+   end subroutine check_rolled_frame
+
+   !> A beam that a driver turns by 20 t, and that a couple 2 t and a spring of 0.05 at its end bend: E I/L theta = 2 t - 0.05
+   !> (20 t + theta). The spring counts the turns of both.
+   subroutine check_driven_beam()
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      real(wp), allocatable :: t(:)
+      character(*), parameter :: label = 'a driven beam that is rolled up'
+      call run_here('*MATERIAL, NAME=a, YOUNG=100, DENSITY=1'//newline// &
+         & '*SECTION, NAME=s, SHAPE=GENERAL, AREA=1, INERTIA=0.01'//newline// &
+         & '*BEAM, NAME=b, MATERIAL=a, SECTION=s, LENGTH=10, SUPPORT=CLAMPED-FREE'//newline// &
+         & '*RIGID BODY, NAME=c, MASS=1, INERTIA=0.1, X=10'//newline// &
+         & '*JOINT, NAME=w, TYPE=REVOLUTE'//newline//' b.start, ground.origin'//newline// &
+         & '*DRIVER, NAME=d, TYPE=ANGLE, BODY=b'//newline//' 20*t'//newline//'*JOINT, NAME=j, TYPE=WELD'//newline// &
+         & ' b.end, c'//newline//'*SPRING, NAME=k, TYPE=ROTATIONAL, STIFFNESS=0.05'//newline//' ground.origin, b.end'//newline// &
+         & '*TORQUE, NAME=t, POINT=b.end'//newline//' 2*t'//newline//'*STATICS, RAMP=NO, INCREMENTS=20'//newline// &
+         & '*OUTPUT'//newline//' a = angle(b), r = rotation(b.end), c = angle(c), j = joint_angle(j), k = elongation(k)'// &
+         & newline, label, reader)
+      call reader%read_time(t, error)
+      call check_channel(reader, 'a', 20*t, label)
+      call check_channel(reader, 'r', 20*t/3, label)
+      call check_channel(reader, 'c', 80*t/3, label)
+      call check_channel(reader, 'j', 0*t, label)
+      call check_channel(reader, 'k', 80*t/3, label)
+      call reader%close()
+   end subroutine check_driven_beam
+
+   !> A crank of 0.5 m that a driver turns draws a slotted wheel about a pin beside its own along, behind a gap of time too: angles
+   !> differ by less than half a turn, and are the same after each half one.
+   subroutine check_gap()
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      real(wp), allocatable :: t(:)
+      character(*), parameter :: label = 'a wheel that is drawn along in a gap of time'
+      call run_here('*GROUND'//newline//' pin, 0.1, 0'//newline//'*RIGID BODY, NAME=a, MASS=1, INERTIA=0.1'//newline// &
+         & ' tip, 0.5, 0'//newline//'*RIGID BODY, NAME=c, MASS=1, INERTIA=0.1, X=0.1'//newline// &
+         & '*JOINT, NAME=ja, TYPE=REVOLUTE'//newline//' a, ground.origin'//newline// &
+         & '*JOINT, NAME=jc, TYPE=REVOLUTE'//newline//' c, ground.pin'//newline// &
+         & '*JOINT, NAME=l, TYPE=POINT ON LINE'//newline//' a.tip, c'//newline//'*DRIVER, NAME=d, TYPE=ANGLE, BODY=a'//newline// &
+         & ' 2*pi*t'//newline//'*KINEMATICS, END=1, OUTPUTS=2'//newline//'*KINEMATICS, START=4.5, END=5, OUTPUTS=1'//newline// &
+         & '*OUTPUT'//newline//' c = angle(c), j = joint_angle(jc)'//newline, label, reader)
+      call reader%read_time(t, error)
+      call check_channel(reader, 'c', 2*acos(-1.0_wp)*t, label)
+      call check_channel(reader, 'j', 2*acos(-1.0_wp)*t, label)
+      call reader%close()
+   end subroutine check_gap
 
    !> A wheel that winds a spring by more than three turns, angle 20 sin t: the runs for the estimate of its error begin where the
    !> run itself has begun, not three turns further on.

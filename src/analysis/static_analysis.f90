@@ -19,6 +19,7 @@ module limber_analysis_static_analysis
    use limber_scene_scene, only: scene_type, seconds_since
    use limber_analysis_static_aside, only: static_aside_type, aside_sample_type, start_static_aside, compare_sample, static_warning
    use limber_analysis_shape_aside, only: shape_aside_type, compare_shapes, tell_shapes
+   use limber_analysis_driver_pulses, only: shown_until
    use limber_analysis_skipped_laws, only: bent_law
    use limber_monitor_run_monitor, only: find_weak
    use limber_model_analyses, only: title
@@ -187,6 +188,7 @@ contains
          next = statics%part + increment
          least = max(least_of_step, least_part*statics%part)
          if (target - next < 0.5_wp*least) next = target
+         if (takes_time) next = min(next, max(statics%part + least, shown_part()))
          tries = tries + 1
          if (tries > most_tries) then
             text = motion_text(scene%system, statics%balance%change)
@@ -223,6 +225,20 @@ contains
          statics%pace = 0.0_wp
          increment = target - statics%part
       end do
+
+   contains
+
+      !> The part of the step up to which drivers do nothing that their places at both ends do not show.
+      real(wp) function shown_part() result(part)
+         real(wp) :: from, to, shown
+         part = next
+         from = time_of(step, statics%part)
+         to = time_of(step, next)
+         if (.not. to > from) return
+         shown = shown_until(scene%system%model, from, to)
+         if (shown < to) part = statics%part + (next - statics%part)*((shown - from)/(to - from))
+      end function shown_part
+
    end subroutine advance_to
 
    !> Whether the equilibrium of the last trial is one to go on with.

@@ -84,8 +84,8 @@ contains
 
    end function shown_until
 
-   !> Halves an interval until bounds tell that nothing is in it, or a place is found that is not that of the cubic through both ends
-   !> of the course. Bounds that are only wide shrink with the interval.
+   !> Halves an interval until bounds tell that nothing is in it, or a place is found that is not that of the cubic through both
+   !> ends of the course. Bounds that are only wide shrink with the interval.
    recursive subroutine search(course, law, integral, a, b, of_a, of_b, excess_before, found)
       type(course_type), intent(inout) :: course
       type(expression_type), intent(in) :: law

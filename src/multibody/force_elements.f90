@@ -418,11 +418,11 @@ contains
       !> Errors relative to the largest value that count as round-off, and where very many intervals are rough; excess of bounds
       !> that counts as none; part of it that is left in a half where bounds are only wide
       real(wp), parameter :: fine = 1.0e-15_wp, coarse = 1.0e-11_wp, negligible = 1.0e-13_wp, shrinks = 0.6_wp
-      !> Ends of the intervals that are rough, branches there, means over them, and what their bounds lie beyond the points by
-      real(wp) :: ends(2, most_rough), means(most_rough), beyond(most_rough)
-      real(wp) :: next_ends(2, 2*most_rough), next_means(2*most_rough), next_beyond(2*most_rough)
+      !> Ends of the intervals that are rough, branches there, means over them, and the least and largest value at their points
+      real(wp) :: ends(2, most_rough), means(most_rough), spans(2, most_rough)
+      real(wp) :: next_ends(2, 2*most_rough), next_means(2*most_rough), next_spans(2, 2*most_rough)
       integer(long) :: branches(2, most_rough), next_branches(2, 2*most_rough), between
-      real(wp) :: middle, halves(2), out(2), level, share, exact
+      real(wp) :: middle, halves(2), values(2, 2), level, share, exact
       integer :: i, rough, found, depth, most
       logical :: differs, hides, bounded
       mean = 0.0_wp
@@ -434,30 +434,29 @@ contains
       between = -1
       bounded = is_long .and. law%may_bend()
       most = merge(most_rough, few_rough, is_long)
-      out = 0.0_wp
       hides = .false.
       ends(:, 1) = [start, end]
       branches(1, 1) = branch_at(law, sign, shift, start, end - start)
       branches(2, 1) = branches(1, 1)
       if (branches(1, 1) >= 0) branches(2, 1) = branch_at(law, sign, shift, end, end - start)
-      call gauss_mean(law, sign, shift, ends(:, 1), bounded, means(1), beyond(1), level)
+      call gauss_mean(law, sign, shift, ends(:, 1), means(1), spans(:, 1), level)
       do depth = 1, deepest
          found = 0
          open = 0.0_wp
          do i = 1, rough
             middle = ends(1, i) + 0.5_wp*(ends(2, i) - ends(1, i))
-            call gauss_mean(law, sign, shift, [ends(1, i), middle], bounded, halves(1), out(1), level)
-            call gauss_mean(law, sign, shift, [middle, ends(2, i)], bounded, halves(2), out(2), level)
+            call gauss_mean(law, sign, shift, [ends(1, i), middle], halves(1), values(:, 1), level)
+            call gauss_mean(law, sign, shift, [middle, ends(2, i)], halves(2), values(:, 2), level)
             if (branches(1, 1) >= 0) between = branch_at(law, sign, shift, middle, end - start)
             differs = share*abs(0.5_wp*sum(halves) - means(i)) > exact*level .or. any(branches(:, i) /= between)
-            if (bounded) hides = share*beyond(i) > negligible*level .and. maxval(out) > shrinks*beyond(i)
+            if (bounded .and. .not. differs) hides = may_hide(ends(:, i), spans(:, i), middle, values, share)
             if (differs .or. hides) then
                next_ends(:, found + 1) = [ends(1, i), middle]
                next_ends(:, found + 2) = [middle, ends(2, i)]
                next_branches(:, found + 1) = [branches(1, i), between]
                next_branches(:, found + 2) = [between, branches(2, i)]
                next_means(found + 1:found + 2) = halves
-               next_beyond(found + 1:found + 2) = out
+               next_spans(:, found + 1:found + 2) = values
                found = found + 2
                if (differs) open = open + 0.5_wp*share*sum(abs(halves))
             else
@@ -472,8 +471,27 @@ contains
          ends(:, :rough) = next_ends(:, :rough)
          branches(:, :rough) = next_branches(:, :rough)
          means(:rough) = next_means(:rough)
-         beyond(:rough) = next_beyond(:rough)
+         spans(:, :rough) = next_spans(:, :rough)
       end do
+
+   contains
+
+      !> Whether the law may be something in an interval that its points do not show: its bounds lie beyond them, and do not
+      !> shrink in a half of it.
+      pure logical function may_hide(ends, span, middle, values, share) result(may)
+         !> Of the interval, and the least and largest value at its points
+         real(wp), intent(in) :: ends(2), span(2)
+         !> The same of its halves
+         real(wp), intent(in) :: middle, values(2, 2)
+         !> Part of the way
+         real(wp), intent(in) :: share
+         real(wp) :: beyond
+         beyond = excess_of(law, sign*ends(1) + shift, sign*ends(2) + shift, span)
+         may = share*beyond > negligible*level
+         if (may) may = max(excess_of(law, sign*ends(1) + shift, sign*middle + shift, values(:, 1)), &
+            & excess_of(law, sign*middle + shift, sign*ends(2) + shift, values(:, 2))) > shrinks*beyond
+      end function may_hide
+
    end subroutine find_mean
 
    !> The branches that a law of one variable takes behind a value, on the way from start to end; -1 if it has none.
@@ -490,41 +508,36 @@ contains
    end function branch_at
 
    !> Gauss's formula for the mean over an interval, and the largest value so far.
-   pure subroutine gauss_mean(law, sign, shift, ends, bounded, mean, beyond, level)
+   pure subroutine gauss_mean(law, sign, shift, ends, mean, span, level)
       type(expression_type), intent(in) :: law
       real(wp), intent(in) :: sign(:), shift(:)
       real(wp), intent(in) :: ends(2)
-      !> Whether bounds are asked for
-      logical, intent(in) :: bounded
       real(wp), intent(out) :: mean
-      !> By how much the bounds of the law lie beyond its values at the points; 0 unless they are asked for
-      real(wp), intent(out) :: beyond
+      !> Least and largest value at the points
+      real(wp), intent(out) :: span(2)
       real(wp), intent(inout) :: level
-      real(wp) :: values(max_slots), f, least, most
+      real(wp) :: values(max_slots), f
       integer :: k
       mean = 0.0_wp
-      beyond = 0.0_wp
-      least = huge(f)
-      most = -huge(f)
+      span = [huge(f), -huge(f)]
       do k = 1, size(gauss)
          f = 0.5_wp*(ends(1) + ends(2)) + 0.5_wp*(ends(2) - ends(1))*gauss(k)
          values(:size(sign)) = sign*f + shift
          f = law%evaluate(values(:size(sign)))
          mean = mean + 0.5_wp*gauss_weights(k)*f
          level = max(level, abs(f))
-         least = min(least, f)
-         most = max(most, f)
+         span = [min(span(1), f), max(span(2), f)]
       end do
-      if (bounded) beyond = excess_of(law, sign*ends(1) + shift, sign*ends(2) + shift, least, most)
    end subroutine gauss_mean
 
    !> By how much the bounds of a law lie beyond two values while its slots are between two places; where it may be undefined there
    !> by any number.
-   pure real(wp) function excess_of(law, first, second, least, most) result(excess)
+   pure real(wp) function excess_of(law, first, second, span) result(excess)
       type(expression_type), intent(in) :: law
       !> Slots at both places
       real(wp), intent(in) :: first(:), second(:)
-      real(wp), intent(in) :: least, most
+      !> The lower and the higher one
+      real(wp), intent(in) :: span(2)
       type(range_type) :: range
       logical :: halting(size(ieee_all)), flags(size(ieee_all))
       excess = huge(excess)
@@ -533,7 +546,7 @@ contains
       call ieee_get_flag(ieee_all, flags)
       call ieee_set_halting_mode(ieee_all, .false.)
       range = law_range_over(law, min(first, second), max(first, second))
-      if (range%defined) excess = min(huge(excess), max(0.0_wp, least - range%low, range%high - most))
+      if (range%defined) excess = min(huge(excess), max(0.0_wp, span(1) - range%low, range%high - span(2)))
       call ieee_set_flag(ieee_all, flags)
       call ieee_set_halting_mode(ieee_all, halting)
    end function excess_of

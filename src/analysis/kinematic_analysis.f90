@@ -10,6 +10,7 @@ module limber_analysis_kinematic_analysis
    use limber_analysis_driven_watch, only: driven_watch_type, start_driven_watch, observe_driven, tell_driven
    use limber_analysis_curve_path, only: curve_path_type, new_paths, follow_paths, break_text
    use limber_scene_joint_check, only: check_joints
+   use limber_scene_law_checks, only: check_law_energies
    use limber_scene_outcome, only: outcome_type
    use limber_scene_sampling, only: check_residuals
    use limber_scene_scene, only: scene_type, seconds_since
@@ -299,6 +300,7 @@ contains
          call check_residuals(system, work, motion%t, .true., motion%v, outcome)
          call check_joints(system, work, motion%t, motion%q, outcome)
          call mechanical_energy(system, work, motion%q, motion%v, kinetic, potential)
+         call check_law_energies(system, work%kinematics, motion%t, outcome)
          if (outcome%samples == 0) outcome%first_energy = kinetic + potential
          outcome%last_energy = kinetic + potential
          outcome%largest_energy = max(outcome%largest_energy, kinetic, abs(potential - outcome%first_energy))

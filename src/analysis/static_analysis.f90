@@ -13,6 +13,7 @@ module limber_analysis_static_analysis
    use limber_monitor_indicator_start, only: start_indicators
    use limber_monitor_observation, only: observe
    use limber_scene_joint_check, only: check_joints
+   use limber_scene_law_checks, only: check_law_energies
    use limber_scene_outcome, only: outcome_type
    use limber_monitor_model_ranges, only: likely_cause
    use limber_scene_sampling, only: check_residuals
@@ -488,6 +489,7 @@ contains
       associate (system => scene%system, work => scene%work, balance => statics%balance)
          statics%recorder%work = 0.0_wp
          call channel_values(statics%recorder, system, work, t, statics%q, balance%v, balance%a, statics%values)
+         call check_law_energies(system, work%kinematics, t, outcome)
       end associate
       call history%take(t, statics%values, error)
       outcome%samples = outcome%samples + 1

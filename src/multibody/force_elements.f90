@@ -54,6 +54,7 @@ module limber_multibody_force_elements
       procedure :: add_tangent => effort_add_tangent
       procedure :: add_elasticity => effort_add_elasticity
       procedure :: add_energy => effort_add_energy
+      procedure :: energy_doubt => effort_energy_doubt
       procedure :: begin_energy => effort_begin_energy
       procedure :: add_power => effort_add_power
       procedure :: add_missed_power => effort_add_missed_power
@@ -328,6 +329,18 @@ contains
       sum = sum - self%factor*(value - self%origin)*mean
    end subroutine effort_add_energy
 
+   !> What the integral of a law may be off by, where it comes and goes too often.
+   pure real(wp) function effort_energy_doubt(self, kinematics) result(doubt)
+      class(force_element_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp) :: value, rate, weights(2, 3), mean, open
+      doubt = 0.0_wp
+      if (.not. self%stores) return
+      call read_gauge(self%gauges(1), kinematics, value, rate, weights)
+      call find_mean(self%law, self%sign, self%shift, self%origin, value, .true., mean, open, doubt)
+      doubt = abs(self%factor*(value - self%origin))*doubt
+   end function effort_energy_doubt
+
    !> The energy of a law is its integral from zero, or from the first value where that does not exist, as of 1/s.
    pure subroutine effort_begin_energy(self, kinematics)
       class(force_element_type), intent(inout) :: self
@@ -408,13 +421,15 @@ contains
    !> The same, and how much of it, in size, comes from the intervals that were not small enough at last. Over a long way, as that
    !> of an energy, all points of an interval may miss what comes and goes between them: its bounds do not. It is halved as long as
    !> they lie beyond the points by as much as in its parent; bounds that are only wide shrink.
-   pure subroutine find_mean(law, sign, shift, start, end, is_long, mean, open)
+   pure subroutine find_mean(law, sign, shift, start, end, is_long, mean, open, doubt)
       type(expression_type), intent(in) :: law
       real(wp), intent(in) :: sign(:), shift(:)
       real(wp), intent(in) :: start, end
       !> Whether the way may be long
       logical, intent(in) :: is_long
       real(wp), intent(out) :: mean, open
+      !> By how much halves and whole of such intervals differ
+      real(wp), intent(out), optional :: doubt
       !> Errors relative to the largest value that count as round-off, and where very many intervals are rough; excess of bounds
       !> that counts as none; part of it that is left in a half where bounds are only wide
       real(wp), parameter :: fine = 1.0e-15_wp, coarse = 1.0e-11_wp, negligible = 1.0e-13_wp, shrinks = 0.6_wp
@@ -422,7 +437,7 @@ contains
       real(wp) :: ends(2, most_rough), means(most_rough), spans(2, most_rough)
       real(wp) :: next_ends(2, 2*most_rough), next_means(2*most_rough), next_spans(2, 2*most_rough)
       integer(long) :: branches(2, most_rough), next_branches(2, 2*most_rough), between
-      real(wp) :: middle, halves(2), values(2, 2), level, share, exact
+      real(wp) :: middle, halves(2), values(2, 2), level, share, exact, differences
       integer :: i, rough, found, depth, most
       logical :: differs, hides, bounded
       mean = 0.0_wp
@@ -443,6 +458,7 @@ contains
       do depth = 1, deepest
          found = 0
          open = 0.0_wp
+         differences = 0.0_wp
          do i = 1, rough
             middle = ends(1, i) + 0.5_wp*(ends(2, i) - ends(1, i))
             call gauss_mean(law, sign, shift, [ends(1, i), middle], halves(1), values(:, 1), level)
@@ -459,12 +475,14 @@ contains
                next_spans(:, found + 1:found + 2) = values
                found = found + 2
                if (differs) open = open + 0.5_wp*share*sum(abs(halves))
+               differences = differences + share*abs(0.5_wp*sum(halves) - means(i))
             else
                mean = mean + 0.5_wp*share*sum(halves)
             end if
          end do
          share = 0.5_wp*share
          if (found > most .or. depth == deepest) mean = mean + share*sum(next_means(:found))
+         if (present(doubt)) doubt = differences
          if (found == 0 .or. found > most) return
          if (found > few_rough) exact = coarse
          rough = found

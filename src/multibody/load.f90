@@ -40,6 +40,8 @@ module limber_multibody_load
       procedure(state_interface), deferred :: state_along
       !> Energy that it stores
       procedure :: add_energy => store_nothing
+      !> What that may be off by
+      procedure :: energy_doubt => doubt_nothing
       !> Stiffness that it has whatever its force is
       procedure :: add_elasticity => stiffen_nothing
       !> Settles from where that is counted
@@ -170,6 +172,14 @@ contains
       real(wp), intent(inout) :: force(:)
       if (size(force) > 0) force(1) = force(1) + 0*self%rates(1)*part*(now%time - mean%time)
    end subroutine miss_nothing
+
+   !> Doubt of an energy in closed form.
+   pure real(wp) function doubt_nothing(self, kinematics) result(doubt)
+      class(load_type), intent(in) :: self
+      !> Placed
+      type(kinematics_type), intent(in) :: kinematics
+      doubt = 0*self%share*kinematics%time
+   end function doubt_nothing
 
    pure subroutine force_add_force(self, kinematics, force)
       class(dead_force_type), intent(in) :: self

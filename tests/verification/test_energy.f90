@@ -22,6 +22,7 @@ program test_energy
    call check_pole('x')
    call check_law_energy('KINEMATICS, END=1, OUTPUTS=100')
    call check_law_energy('STATICS, PERIOD=1, INCREMENTS=100')
+   call check_unknown_energy()
    call check_fixed_step()
    call finish()
 
@@ -51,6 +52,7 @@ contains
          x = channel(reader, 'x_m') - 1
          energy = channel(reader, 'potential_energy_system')
          work = channel(reader, 'work_system')
+         call check_warning(reader, '', 'energy of a law: '//analysis)
          call reader%close()
          pulse = -5*sqrt(pi)*(erf((x - 5.3_wp)/w) - erf(-5.3_wp/w))
          wave = 0.1_wp*(1 - cos(100*x))
@@ -60,6 +62,24 @@ contains
             & 0.0_wp, 1.0e-12_wp, 'work on a law: '//analysis)
       end do
    end subroutine check_law_energy
+
+   !> A law that goes to and fro too often for its integral: that is told.
+   subroutine check_unknown_energy()
+      character(1), parameter :: nl = new_line('a')
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report
+      call run_text('*POINT MASS, NAME=m, MASS=1, X=2'//nl//'*JOINT, NAME=j, TYPE=POINT ON LINE'//nl// &
+         & ' m, ground.origin'//nl//'*DRIVER, NAME=dx, TYPE=X, POINT=m'//nl//' 2 + 10*t'//nl// &
+         & '*SPRING, NAME=s, LENGTH=1'//nl//' m, ground.origin, 10*sin(1e4*x)'//nl//'*KINEMATICS, END=1, OUTPUTS=10'//nl// &
+         & '*OUTPUT'//nl//' potential_energy(system)'//nl, trim(results), report, error)
+      call check(.not. allocated(error), 'an energy that is not known runs')
+      if (allocated(error)) return
+      call reader%open(trim(results), error)
+      call check_warning(reader, "the law of 's' on body 'm' comes and goes too often for its integral", &
+         & 'an energy that is not known')
+      call reader%close()
+   end subroutine check_unknown_energy
 
    !> Where the deck gives the step, a warning does not ask for another tolerance.
    subroutine check_fixed_step()

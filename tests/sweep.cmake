@@ -41,6 +41,23 @@ expect("6 rows were done already")
 limber(0 sweep deck.inp --jobs 2 -o whole.h5 --set diameter=6e-3,8e-3,9e-3)
 expect("6 rows were done already.*9 rows: 9 ok")
 
+# Rows with the same values are one run, and each has its results
+limber(0 sweep deck.inp --jobs 2 -o same.h5 --set speed=57.5,60,57.5 --set diameter=8e-3)
+expect("3 rows: 3 ok.*1 of them have the values of an earlier row")
+file(STRINGS ${WORK}/same.csv first REGEX "^1,")
+file(STRINGS ${WORK}/same.csv third REGEX "^3,")
+string(REGEX REPLACE "^1,57.5,0.008,ok,([^,]*),[^,]*,(.*)$" "\\1,\\2" first "${first}")
+string(REGEX REPLACE "^3,57.5,0.008,ok,([^,]*),[^,]*,(.*)$" "\\1,\\2" third "${third}")
+if(NOT first STREQUAL third OR first MATCHES "^1,")
+  message(FATAL_ERROR "rows with the same values differ:\n${first}\n${third}")
+endif()
+# A value may be an expression of numbers
+limber(0 sweep deck.inp --jobs 2 -o terms.h5 --set speed=50+7.5,1e+1 --set diameter=8e-3)
+file(STRINGS ${WORK}/terms.csv row REGEX "^1,57.5,0.008,ok,")
+if(row STREQUAL "")
+  message(FATAL_ERROR "--set speed=50+7.5 is not 57.5")
+endif()
+
 # Parts, as tasks of a job array run them
 foreach(k 1 2)
   limber(3 sweep deck.inp --part ${k}/2 --jobs 1 -o parts.h5)

@@ -82,7 +82,7 @@ contains
       run%cpu = [run%cpu, outcome%cpu]
       run%whole = [run%whole, scene%building + scene%assembling + outcome%wall]
       run%warnings = scene%warnings//all_warnings(outcome)//range_warnings(outcome%indicators, scene%system%model)// &
-         & energy_warning(outcome)
+         & energy_warning(outcome, scene%system%model%dynamics)
       run%steps = integrator%statistics%steps
       run%rejected = integrator%statistics%rejected
       run%evaluations = integrator%statistics%evaluations

@@ -248,7 +248,7 @@ contains
          lines = newline//'      '//scene%system%model%dynamics%integrator//', '//as_text(integrator%statistics%steps)// &
             & ' steps ('//as_text(integrator%statistics%rejected)//' rejected), energy balance '//as_text(part%imbalance, 2)// &
             & ' of at most '//as_text(part%largest_energy, 3)//chosen(scene%system%model%dynamics)
-         scene%warnings = scene%warnings//energy_warning(part)
+         scene%warnings = scene%warnings//energy_warning(part, scene%system%model%dynamics)
          call add_statistics(integrator%statistics, statistics)
       end select
       scene%warnings = scene%warnings//all_warnings(part)

@@ -217,7 +217,8 @@ contains
             text = ''
             if (dynamics%integrator == 'ADAMS') text = ', or INTEGRATOR=RADAU if vibrations that do not matter bind the step'
             call raise(error, 'MAXIMUM STEPS='//as_text(dynamics%maximum_steps)//' are used up at t = '// &
-               & as_text(integrator%t, 6)//'; give more, or a looser TOLERANCE'//text)
+               & as_text(integrator%t, 6)//'; give more, or a '// &
+               & trim(merge('longer FIXED STEP', 'looser TOLERANCE ', dynamics%fixed_step > 0.0_wp))//text)
             exit
          end if
          barrier = last

@@ -6,9 +6,11 @@ module limber_analysis_kinematic_analysis
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text, newline
    use limber_analysis_driver_grip, only: grip_type, start_grip, begin_grip, grip_time, feel_grip, keep_grip, drivers_text
+   use limber_analysis_driver_pulses, only: shown_until
    use limber_analysis_driven_watch, only: driven_watch_type, start_driven_watch, observe_driven, tell_driven
    use limber_analysis_curve_path, only: curve_path_type, new_paths, follow_paths, break_text
    use limber_scene_joint_check, only: check_joints
+   use limber_scene_law_checks, only: check_law_energies
    use limber_scene_outcome, only: outcome_type
    use limber_scene_sampling, only: check_residuals
    use limber_scene_scene, only: scene_type, seconds_since
@@ -203,7 +205,7 @@ contains
       real(wp), parameter :: stride = 0.2_wp, correction = 0.05_wp
       !> Part of the way to a sample that the first step of all takes, for its rate of the grip is not known
       real(wp), parameter :: first = 1.0e-3_wp
-      real(wp) :: h, shortest, size_of
+      real(wp) :: h, shortest, size_of, shown
       real(wp), dimension(scene%system%layout%nw) :: w, a
       logical :: done
       shortest = 1.0e-10_wp*max(abs(t - motion%t), spacing(t))
@@ -227,6 +229,11 @@ contains
                size_of = maxval(abs(motion%change/held%scale))
                if (size_of > stride) then
                   h = h*max(0.1_wp, 0.9_wp*stride/size_of)
+                  cycle
+               end if
+               shown = shown_until(system%model, motion%t, motion%t + h)
+               if (shown < motion%t + h) then
+                  h = shown - motion%t
                   cycle
                end if
                call advance(system%layout, motion%q, motion%change, motion%trial)
@@ -293,6 +300,7 @@ contains
          call check_residuals(system, work, motion%t, .true., motion%v, outcome)
          call check_joints(system, work, motion%t, motion%q, outcome)
          call mechanical_energy(system, work, motion%q, motion%v, kinetic, potential)
+         call check_law_energies(system, work%kinematics, motion%t, outcome)
          if (outcome%samples == 0) outcome%first_energy = kinetic + potential
          outcome%last_energy = kinetic + potential
          outcome%largest_energy = max(outcome%largest_energy, kinetic, abs(potential - outcome%first_energy))

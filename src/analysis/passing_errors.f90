@@ -134,7 +134,7 @@ contains
       text = describe_law(system, crossings%loads(maxloc(self%of, dim=1)))//' comes and goes '//as_text(self%crossings/2)// &
          & ' times, and the errors of these passages add up: '//trim(directions(worst))//" of body '"// &
          & system%model%bodies(body)%name//"' may be off by about "//as_text(100*min(most, 1.0_wp), 2)// &
-         & ' % of its largest value'//trim(merge(' or more', '        ', most > 1.0_wp))//'; use a smaller TOLERANCE'// &
+         & ' % of its largest value'//trim(merge(' or more', '        ', most > 1.0_wp))//'; use '//dynamics%finer()// &
          & trim(merge('                    ', ' or INTEGRATOR=RADAU', dynamics%integrator == 'RADAU'))
    end function passing_warning
 

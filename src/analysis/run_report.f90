@@ -3,6 +3,7 @@ module limber_analysis_run_report
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text, newline
+   use limber_model_model, only: dynamics_type
    use limber_scene_outcome, only: outcome_type, energy_scale, passing_scale, allowed_imbalance
    use limber_scene_scene, only: scene_type, mobility_line, inner_joints
    use limber_integrator_integrator, only: integrator_type
@@ -35,25 +36,32 @@ contains
    end function what_is_left
 
    !> A warning if energy has come or gone from nowhere: the one check that every run has. Empty if all is well.
-   pure function energy_warning(outcome) result(text)
+   pure function energy_warning(outcome, dynamics) result(text)
       type(outcome_type), intent(in) :: outcome
-      character(:), allocatable :: text, cause
+      type(dynamics_type), intent(in) :: dynamics
+      character(:), allocatable :: text, cause, unable, remedy
       real(wp) :: scale
       text = ''
       scale = energy_scale(outcome)
       if (outcome%imbalance > allowed_imbalance*scale) then
          cause = ''
          if (outcome%shows_work) cause = ', or the errors of a work that goes to and fro add up'
+         unable = 'the tolerance does'
+         remedy = 'a tenth of TOLERANCE'
+         if (dynamics%fixed_step > 0.0_wp) then
+            unable = 'the steps do'
+            remedy = dynamics%finer()//', or without it'
+         end if
          text = 'warning: the energy balance is off by '//as_text(100*outcome%imbalance/scale, 2)// &
             & ' % of '//trim(merge('the largest energy  ', 'the energy exchanged', scale <= outcome%largest_energy))// &
-            & ': the integrator has damped or fed vibrations that the tolerance does not resolve'//cause//'; compare with a run'// &
-            & ' at a tenth of TOLERANCE'//newline
+            & ': the integrator has damped or fed vibrations that '//unable//' not resolve'//cause//'; compare with a'// &
+            & ' run at '//remedy//newline
       else if (outcome%imbalance > allowed_imbalance*passing_scale(outcome)) then
          scale = outcome%moved_time/outcome%duration
          text = 'warning: the energy balance is off by '//as_text(100*outcome%imbalance/scale, 2)//' % of what it is in'// &
             & ' the mean: for a short time it is '//as_text(outcome%fastest/scale, 2)//' times as large and more, and'// &
             & ' errors that are small beside that are not small beside the motion that follows, which goes on too fast or too'// &
-            & ' slowly; use a smaller TOLERANCE, or INTEGRATOR=RADAU'//newline
+            & ' slowly; use '//dynamics%finer()//', or INTEGRATOR=RADAU'//newline
       end if
    end function energy_warning
 

@@ -8,6 +8,8 @@ module limber_analysis_small_motions
    use limber_multibody_equilibrium, only: equilibrium_type, linearise_balance
    use limber_multibody_free_motions, only: find_freedom, has_potential
    use limber_multibody_driven_motion, only: driven_motion_type, new_held, rest_multipliers
+   use limber_multibody_kinematics, only: place_frames, move_frames
+   use limber_multibody_motion_laws, only: no_slope_text
    use limber_multibody_sparse_eigenmodes, only: is_large, vectors_for
    use limber_multibody_system, only: system_type
    use limber_multibody_tangent, only: gather
@@ -69,6 +71,7 @@ contains
       logical, intent(out) :: balanced
       type(error_type), allocatable, intent(out) :: error
       type(driven_motion_type) :: held
+      character(:), allocatable :: cause
       logical :: done
       integer :: i
       balanced = .false.
@@ -81,8 +84,11 @@ contains
             call new_held(system, held)
             call rest_multipliers(system, work, held, t, scene%q, done)
             if (.not. done) then
-               call raise(error, 'mass and constraints make a singular system: a constraint is redundant, or a body without'// &
-                  & ' mass is free to move')
+               call place_frames(system%model, system%layout, t, scene%q, work%kinematics)
+               call move_frames(system%model, system%layout, scene%q, 0*scene%q, work%kinematics)
+               cause = no_slope_text(system, work%kinematics)
+               if (cause == '') cause = ': a constraint is redundant, or a body without mass is free to move'
+               call raise(error, 'mass and constraints make a singular system'//cause)
                return
             end if
             work%lambda = held%lambda

@@ -13,12 +13,14 @@ module limber_analysis_static_analysis
    use limber_monitor_indicator_start, only: start_indicators
    use limber_monitor_observation, only: observe
    use limber_scene_joint_check, only: check_joints
+   use limber_scene_law_checks, only: check_law_energies
    use limber_scene_outcome, only: outcome_type, warn
    use limber_monitor_model_ranges, only: likely_cause
    use limber_scene_sampling, only: check_residuals
    use limber_scene_scene, only: scene_type, seconds_since
    use limber_analysis_static_aside, only: static_aside_type, aside_sample_type, start_static_aside, compare_sample, static_warning
    use limber_analysis_shape_aside, only: shape_aside_type, compare_shapes, tell_shapes
+   use limber_analysis_driver_pulses, only: shown_until
    use limber_analysis_skipped_laws, only: bent_law
    use limber_analysis_static_stations, only: find_stations
    use limber_monitor_run_monitor, only: find_weak
@@ -224,6 +226,7 @@ contains
          next = statics%part + increment
          least = max(least_of_step, least_part*statics%part)
          if (target - next < 0.5_wp*least) next = target
+         if (takes_time) next = min(next, max(statics%part + least, shown_part()))
          tries = tries + 1
          if (tries > most_tries) then
             text = motion_text(scene%system, statics%balance%change)
@@ -260,6 +263,20 @@ contains
          statics%pace = 0.0_wp
          increment = target - statics%part
       end do
+
+   contains
+
+      !> The part of the step up to which drivers do nothing that their places at both ends do not show.
+      real(wp) function shown_part() result(part)
+         real(wp) :: from, to, shown
+         part = next
+         from = time_of(step, statics%part)
+         to = time_of(step, next)
+         if (.not. to > from) return
+         shown = shown_until(scene%system%model, from, to)
+         if (shown < to) part = statics%part + (next - statics%part)*((shown - from)/(to - from))
+      end function shown_part
+
    end subroutine follow_to
 
    !> Goes on with the equilibrium of the last trial. At the very critical load it counts as stable: what follows tells.
@@ -585,6 +602,7 @@ contains
       associate (system => scene%system, work => scene%work, balance => statics%balance)
          statics%recorder%work = 0.0_wp
          call channel_values(statics%recorder, system, work, t, statics%q, balance%v, balance%a, statics%values)
+         call check_law_energies(system, work%kinematics, t, outcome)
       end associate
       call history%take(t, statics%values, error)
       outcome%samples = outcome%samples + 1

@@ -275,8 +275,8 @@ contains
             & model%units%time//')'
          errs = words(self, model, worst, share)
          if (is_adams) then
-            text = 'warning: ADAMS keeps up'//vibration//' at the limit of its steps: '//errs//'; use INTEGRATOR=RADAU, or a'// &
-               & ' smaller TOLERANCE'//newline
+            text = 'warning: ADAMS keeps up'//vibration//' at the limit of its steps: '//errs//'; use INTEGRATOR=RADAU, or '// &
+               & dynamics%finer()//newline
             return
          end if
          text = 'warning: '//dynamics%integrator

@@ -9,7 +9,7 @@ module limber_commands_command_line
    use limber_commands_drawing, only: drawing_request_type
    use limber_scene_interruption, only: request_type
    use limber_commands_sweep, only: sweep_request_type
-   use limber_commands_sweep_plan, only: swept_type, read_setting
+   use limber_commands_sweep_plan, only: swept_type, read_setting, is_number
    use limber_deck_parameters, only: override_type
    implicit none
    private
@@ -295,7 +295,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       integer :: status
       value = 0.0_wp
-      status = verify(trim(text), '0123456789+-.eEdD')
+      status = merge(0, 1, is_number(trim(text)))
       if (status == 0) read (text, *, iostat=status) value
       if (status == 0 .and. .not. ieee_is_finite(value)) status = 1
       if (status /= 0) call raise(error, "'"//trim(text)//"' is not a number", status_deck)

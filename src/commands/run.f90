@@ -219,8 +219,8 @@ contains
       if (allocated(guard%snapshot%missing)) history%failed = .true.
       if (.not. quiet) call progress%finish()
       scene%warnings = scene%warnings//all_warnings(outcome)
-      scene%warnings = scene%warnings//range_warnings(outcome%indicators, scene%system%model)//energy_warning(outcome) &
-         & //scalar_warnings(scene%system%model, history)
+      scene%warnings = scene%warnings//range_warnings(outcome%indicators, scene%system%model)// &
+         & energy_warning(outcome, scene%system%model%dynamics)//scalar_warnings(scene%system%model, history)
       table = ''
       if (.not. allocated(error)) call add_estimate(scene, integrator, outcome, quiet, history, batch%error, table, error)
       if (allocated(error)) then

@@ -62,10 +62,10 @@ contains
       call check_places(results, base//'.csv', folder, sweep%sources, force, error)
       if (allocated(error)) return
       call read_journals(folder, sweep, rows)
-      waiting = pack([(i, i=1, size(rows))], rows%state /= row_done)
+      waiting = pack([(i, i=1, size(rows))], rows%state /= row_done .and. rows%same_as == 0)
       if (request%parts > 0) waiting = pack(waiting, mod(waiting - 1, request%parts) == request%part - 1)
       if (.not. request%collect) then
-         if (size(waiting) < size(rows) .and. request%parts == 0) report = as_text(size(rows) - size(waiting))// &
+         if (any(rows%state == row_done) .and. request%parts == 0) report = as_text(count(rows%state == row_done))// &
             & ' rows were done already'//newline
          call catch_signals()
          call run_rows(sweep, folder, waiting, request%jobs, quiet, error)
@@ -103,7 +103,7 @@ contains
          logical :: mine(size(rows))
          mine = .true.
          if (request%parts > 0 .and. .not. request%collect) mine = [(mod(i - 1, request%parts) == request%part - 1, &
-            & i=1, size(rows))]
+            & i=1, size(rows))] .and. rows%same_as == 0
          if (signal_came() .and. any(mine .and. rows%state == row_missing)) then
             call raise(error, report//newline//path//': interrupted by '//signal_name()//'; '//as_text(count(rows%state == &
                & row_done))//' of '//as_text(size(rows))//' rows are done and are kept in '//folder//'; called again, the'// &

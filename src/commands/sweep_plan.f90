@@ -22,7 +22,7 @@ module limber_commands_sweep_plan
    use limber_model_run_scalars, only: add_usual_scalars
    implicit none
    private
-   public :: sweep_type, swept_type, plan_sweep, read_setting, row_overrides
+   public :: sweep_type, swept_type, plan_sweep, read_setting, is_number, row_overrides
 
    !> Most runs of a sweep
    integer, parameter :: most_rows = 10000000
@@ -228,7 +228,7 @@ contains
       type(diagnostics_type) :: unheard
       integer :: status
       value = 0.0_wp
-      if (verify(trim(adjustl(text)), '0123456789+-.eEdD') == 0) then
+      if (is_number(trim(adjustl(text)))) then
          read (text, *, iostat=status) value
          ok = status == 0
          return
@@ -237,6 +237,16 @@ contains
       if (ok) ok = expression%is_constant()
       if (ok) value = expression%constant_value()
    end subroutine read_value
+
+   !> Whether a text has the form of a number; one with a sign within, as 1+1, is a sum: for Fortran it would be 1e+1.
+   pure logical function is_number(text)
+      character(*), intent(in) :: text
+      integer :: i
+      is_number = verify(text, '0123456789+-.eEdD') == 0
+      do i = 2, len(text)
+         if (scan(text(i:i), '+-') > 0) is_number = is_number .and. scan(text(i - 1:i - 1), 'eEdD') > 0
+      end do
+   end function is_number
 
    !> The columns of the file that *SWEEP names.
    subroutine read_table(deck, block, axis, diagnostics)
@@ -248,7 +258,8 @@ contains
       type(part_type), allocatable :: parts(:)
       type(part_type) :: line
       real(wp), allocatable :: rows(:, :)
-      integer :: file, i, k, count, status
+      logical :: ok
+      integer :: file, i, k, count
       allocate (axis%names(0), axis%values(0, 0), rows(0, 0))
       call deck%source%read_file(beside(deck%source%files(deck%blocks(block)%origin%file)%path, deck%blocks(block)%text('FILE')), &
          & deck%blocks(block)%origin_of('FILE'), error)
@@ -280,9 +291,8 @@ contains
          else
             count = count + 1
             do k = 1, size(parts)
-               rows(k, count) = 0.0_wp
-               read (parts(k)%text, *, iostat=status) rows(k, count)
-               if (status /= 0 .or. len(parts(k)%text) == 0 .or. .not. abs(rows(k, count)) <= huge(1.0_wp)) then
+               call read_value(parts(k)%text, rows(k, count), ok)
+               if (.not. ok .or. len(parts(k)%text) == 0 .or. .not. abs(rows(k, count)) <= huge(1.0_wp)) then
                   call diagnostics%add(parts(k)%origin, "'"//parts(k)%text//"' is not a number")
                   return
                end if

@@ -19,6 +19,8 @@ module limber_commands_sweep_rows
    !> What came of a row
    type :: row_type
       integer :: state = row_missing
+      !> Earlier row with the same values, which is run for both; 0: there is none
+      integer :: same_as = 0
       !> CPU seconds; estimated relative error, negative if there is none; number of warnings
       real(wp) :: seconds = 0.0_wp, error = -1.0_wp
       integer :: warnings = 0
@@ -99,23 +101,31 @@ contains
       end do
    end function plain
 
-   !> All rows as far as they are done.
+   !> All rows as far as they are done. Rows with the same values are one run: the later ones have what came of the first.
    subroutine read_journals(folder, sweep, rows)
       character(*), intent(in) :: folder
       type(sweep_type), intent(in) :: sweep
       type(row_type), allocatable, intent(out) :: rows(:)
       type(name_index_type) :: places
       character(longest_path), allocatable :: journals(:)
-      integer :: i
+      integer :: i, first
       allocate (rows(size(sweep%keys)))
       do i = 1, size(rows)
          rows(i)%message = ''
          allocate (rows(i)%scalars(size(sweep%scalars)), source=0.0_wp)
-         if (places%find(sweep%keys(i)) == 0) call places%add(sweep%keys(i), i)
+         rows(i)%same_as = places%find(sweep%keys(i))
+         if (rows(i)%same_as == 0) call places%add(sweep%keys(i), i)
       end do
       call files_like(folder, '.journal', journals)
       do i = 1, size(journals)
          call read_journal(trim(journals(i)), places, rows)
+      end do
+      do i = 1, size(rows)
+         first = rows(i)%same_as
+         if (first == 0) cycle
+         rows(i) = rows(first)
+         rows(i)%same_as = first
+         rows(i)%seconds = 0.0_wp
       end do
    end subroutine read_journals
 

@@ -201,9 +201,11 @@ contains
       integer, parameter :: most = 5
       integer :: i, k, shown
       text = sweep%path//': '//count_line(rows)//'; '//as_text(sum(rows%seconds), 4)//' s CPU in all'
+      if (any(rows%same_as > 0)) text = text//newline//'   '//as_text(count(rows%same_as > 0))// &
+         & ' of them have the values of an earlier row, and its run'
       shown = 0
       do i = 1, size(rows)
-         if (any(rows(i)%state == [row_done, row_missing])) cycle
+         if (any(rows(i)%state == [row_done, row_missing]) .or. rows(i)%same_as > 0) cycle
          shown = shown + 1
          if (shown > most) cycle
          text = text//newline//'   row '//as_text(i)//' ('

@@ -77,7 +77,7 @@ contains
       if (reached%done) scene%warnings = scene%warnings//unverified_warning(reached)
       call record_target(reached, history%history_type, error)
       if (allocated(error)) return
-      scene%warnings = scene%warnings//energy_warning(reached%outcome)
+      scene%warnings = scene%warnings//energy_warning(reached%outcome, scene%system%model%dynamics)
       call new_integrator(scene%system%model%dynamics, integrator)
       integrator%statistics = reached%statistics
       if (allocated(reached%estimate%values)) call record_estimate(reached%estimate, scene%system%model%channels, &

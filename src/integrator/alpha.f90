@@ -174,12 +174,14 @@ contains
       end if
       if (self%forest%usable) return
       if (.not. self%fresh) call self%refresh(system, work)
-      if (abs(self%h - self%h_factors) > 0.0_wp) call factor_matrix(self, error)
+      if (abs(self%h - self%h_factors) > 0.0_wp) call factor_matrix(self, system, work, error)
    end subroutine prepare
 
    !> Factors of the Newton matrix for the present step.
-   subroutine factor_matrix(self, error)
+   subroutine factor_matrix(self, system, work, error)
       class(alpha_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
       type(error_type), allocatable, intent(out) :: error
       logical :: singular
       self%tangent%softness = 1/mass_factor(self)
@@ -188,7 +190,7 @@ contains
       call self%tangent%matrix%factor(singular)
       self%statistics%factorisations = self%statistics%factorisations + 1
       self%h_factors = self%h
-      if (singular) call self%singular_matrix('ALPHA', error)
+      if (singular) call self%singular_matrix(system, work, 'ALPHA', error)
    end subroutine factor_matrix
 
    !> Change of the accelerations for a unit change of the rates.

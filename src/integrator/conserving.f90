@@ -15,7 +15,9 @@ module limber_integrator_conserving
    use limber_multibody_equations_of_motion, only: linearise, accelerations
    use limber_multibody_articulated, only: articulated_type, new_forest, forest_solve
    use limber_multibody_articulated_step, only: begin_forest_step, forest_step_residual, forest_step_factor, forest_step_mass
+   use limber_model_model, only: ground
    use limber_multibody_kinematics, only: place_frames, move_frames
+   use limber_multibody_load, only: load_type
    use limber_multibody_layout, only: layout_type, rates_of, velocities_of
    use limber_multibody_projection, only: project_velocity
    use limber_multibody_discrete_step, only: discrete_step_type, new_step, begin_step, find_momenta, frame_rates, fixed_rates
@@ -51,6 +53,8 @@ module limber_integrator_conserving
       type(means_type) :: means
       !> Scratch
       real(wp), allocatable :: motion(:), phi(:), unknown(:), e(:), change(:)
+      !> Impulses of laws along the way that the forces of the step that is tried do not give (nw)
+      real(wp), allocatable :: missed(:)
       !> Multipliers under which redundant constraints do not give way, and how far those of the step differ (nc)
       real(wp), allocatable :: held(:), apart(:)
       type(discrete_step_type) :: trial
@@ -96,7 +100,7 @@ contains
          allocate (self%q(nq), self%v(nq), self%b(nw), self%y(nw), self%lambda(nc), self%q_before(nq), self%w_before(nw), &
             & self%increment(nw), self%w(nw), self%motion(nw), self%phi(nc), self%unknown(nw + nc), self%e(nw), self%change(nq), &
             & self%scale_x(nw), self%scale_w(nw), self%scale_lambda(nc), self%new_w(nw), self%path_q(nq), self%path_v(nq), &
-            & self%held(nc), self%apart(nc), self%grain(nw))
+            & self%held(nc), self%apart(nc), self%grain(nw), self%missed(nw))
          call new_means(nw, nc, self%means)
          call new_forest(system, self%forest)
          if (.not. self%forest%usable) call new_tangent(system, self%tangent)
@@ -107,6 +111,7 @@ contains
             self%driven = self%driven .or. system%constraints(i)%item%driven
          end do
       end if
+      self%missed = 0.0_wp
       call self%input%begin(self%work_at_start, 0.0_wp)
       call self%ringing%forget()
       self%h_factors = 0.0_wp
@@ -452,12 +457,29 @@ contains
       call self%input%try_known(done, missed)
       if (self%fixed_step > 0.0_wp) return
       own = abs(missed)/self%input%scale_of(energy_scale(system, self%scales), abs(done))
+      ! Beside a heavy body the energy of a light one is nothing, and its speed is not
+      own = max(own, kicked(self))
       good = self%input%is_within(own, self%tolerance)
       if (.not. (good .and. own > self%tolerance)) err = max(err, own)
    end subroutine measure_work
 
+   !> Largest velocity by the impulses that the forces of the step that is tried have missed, through the Newton matrix, in units of
+   !> the scales.
+   real(wp) function kicked(self)
+      class(conserving_type), intent(inout) :: self
+      integer :: nw
+      nw = size(self%missed)
+      kicked = 0.0_wp
+      if (.not. any(abs(self%missed) > 0.0_wp)) return
+      self%unknown(:nw) = self%missed/self%trial%h
+      self%unknown(nw + 1:) = 0.0_wp
+      call solve(self)
+      kicked = 2*maxval(abs(self%unknown(:nw))/self%scale_w)/self%trial%h
+      if (.not. kicked <= huge(kicked)) kicked = huge(kicked)
+   end function kicked
+
    !> What the laws of loads do along the way of the step that is tried, less what the forces of the step do there: by Lobatto's
-   !> formula on the cubic through both ends.
+   !> formula on the cubic through both ends. Leaves the impulses that are missed.
    real(wp) function missed_work(self, system, work) result(missed)
       class(conserving_type), intent(inout) :: self
       type(system_type), intent(in) :: system
@@ -468,6 +490,7 @@ contains
       real(wp) :: power
       integer :: i, k
       missed = 0.0_wp
+      self%missed = 0.0_wp
       do k = 1, size(nodes)
          call cubic_state(system%layout, nodes(k), self%trial%h, self%q, self%increment, self%w, self%new_w, self%e, self%path_q, &
             & self%path_v)
@@ -475,10 +498,32 @@ contains
          call move_frames(system%model, system%layout, self%path_q, self%path_v, work%kinematics)
          power = 0.0_wp
          do i = 1, size(system%loads)
-            if (system%loads(i)%item%powered) call system%loads(i)%item%add_missed_power(self%trial%mean, work%kinematics, power)
+            if (.not. system%loads(i)%item%powered) cycle
+            call system%loads(i)%item%add_missed_power(self%trial%mean, work%kinematics, power)
+            call add_missed(system%loads(i)%item, work%loads(i)%force, weights(k)*self%trial%h)
          end do
          missed = missed + weights(k)*self%trial%h*power
       end do
+
+   contains
+
+      !> Adds what the force of a load misses, times a part of the step.
+      subroutine add_missed(load, force, part)
+         class(load_type), intent(in) :: load
+         !> Scratch
+         real(wp), intent(inout) :: force(:)
+         real(wp), intent(in) :: part
+         integer :: side, at, n
+         force = 0.0_wp
+         call load%add_missed_force(self%trial%mean, work%kinematics, part, force)
+         do side = 1, size(load%bodies)
+            if (load%bodies(side) == ground) cycle
+            at = system%layout%w(load%bodies(side))
+            n = load%rates(side)
+            self%missed(at:at + n - 1) = self%missed(at:at + n - 1) + force(load%offsets(side) + 1:load%offsets(side) + n)
+         end do
+      end subroutine add_missed
+
    end function missed_work
 
    !> Brings the rates at the end of the step onto the velocity constraints, least in the mass norm, eq. (5.33). Only what
@@ -583,6 +628,7 @@ contains
       call snapshot%keep('unknown', self%unknown)
       call snapshot%keep('e', self%e)
       call snapshot%keep('change', self%change)
+      call snapshot%keep('missed', self%missed)
       call self%trial%exchange(snapshot)
       if (.not. self%forest%usable) call self%tangent%exchange(snapshot)
       call self%forest%exchange(snapshot)

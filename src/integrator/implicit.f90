@@ -11,7 +11,9 @@ module limber_integrator_implicit
    use limber_integrator_error_scales, only: scales_type, new_scales, update_scales, rate_scales, energy_scale
    use limber_multibody_plane_vectors, only: cross
    use limber_multibody_equations_of_motion, only: linearise, accelerations, input_power
+   use limber_multibody_kinematics, only: place_frames, move_frames
    use limber_multibody_layout, only: layout_type, rates_of, advance
+   use limber_multibody_motion_laws, only: no_slope_text
    use limber_multibody_motion_residual, only: linearise_motion, place_motion
    use limber_multibody_system, only: system_type, workspace_type
    use limber_multibody_tangent, only: tangent_type, new_tangent
@@ -240,13 +242,19 @@ contains
    end function work_across_is_good
 
    !> Error of a matrix without factors.
-   subroutine singular_matrix(self, name, error)
+   subroutine singular_matrix(self, system, work, name, error)
       class(implicit_type), intent(in) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
       !> Of the method
       character(*), intent(in) :: name
       type(error_type), allocatable, intent(out) :: error
-      call raise(error, 'the Newton matrix of '//name//' is singular at t = '//as_text(self%t, 8)// &
-         & ': a constraint is redundant there, or a body without mass is free to move')
+      character(:), allocatable :: cause
+      call place_frames(system%model, system%layout, self%t, self%q, work%kinematics)
+      call move_frames(system%model, system%layout, self%q, self%v, work%kinematics)
+      cause = no_slope_text(system, work%kinematics)
+      if (cause == '') cause = ': a constraint is redundant there, or a body without mass is free to move'
+      call raise(error, 'the Newton matrix of '//name//' is singular at t = '//as_text(self%t, 8)//cause)
    end subroutine singular_matrix
 
    !> Saves or restores what they share, the matrices only if they are in use.

@@ -122,7 +122,7 @@ contains
          end if
          if (abs(self%h - self%h_factors) > 0.0_wp) call factor_both(self, converged)
          if (abs(self%h - self%h_factors) > 0.0_wp) then
-            call self%singular_matrix('RADAU', error)
+            call self%singular_matrix(system, work, 'RADAU', error)
             return
          end if
          call guess_stages(self)

@@ -350,6 +350,8 @@ module limber_model_model
       real(wp) :: fixed_step = 0.0_wp
       !> Largest number of steps
       integer :: maximum_steps = 100000000
+   contains
+      procedure :: finer
    end type dynamics_type
 
    !> Initial value of a beam's coordinate
@@ -469,6 +471,14 @@ contains
       class(joint_type), intent(in) :: self
       is_coupler = allocated(self%terms)
    end function is_coupler
+
+   !> What makes the steps of an analysis more exact: those of a given length do not follow the tolerance.
+   pure function finer(self) result(text)
+      class(dynamics_type), intent(in) :: self
+      character(:), allocatable :: text
+      text = 'a smaller TOLERANCE'
+      if (self%fixed_step > 0.0_wp) text = 'a smaller FIXED STEP'
+   end function finer
 
    !> Whether the law of a part depends on time alone. True without a law.
    pure logical function is_of_time(self)

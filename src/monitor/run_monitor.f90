@@ -180,7 +180,7 @@ contains
       if (self%latest >= slow*self%speed .or. tolerance*self%speed*(t - self%peak) <= part*system%model%length) return
       text = 'the largest speed, '//as_text(self%speed, 2)//' at t = '//as_text(self%peak, 8)// &
          & ', sets the scale of the errors: what follows is '//as_text(self%latest/self%speed, 1)//' as fast and is not known'// &
-         & ' to the tolerance; use a smaller TOLERANCE, or two analyses, one for each'
+         & ' to the tolerance; use '//system%model%dynamics%finer()//', or two analyses, one for each'
    end function scale_warning
 
    !> A warning if what turns is no longer where it should be, for the energy that a run has gained or lost lets it turn too fast or
@@ -218,7 +218,7 @@ contains
       !> Number of times that a method of order 2 may have tolerance**(2/3), and the part that matters always
       !> Part of the largest speed that the speed of a side counts as at least
       real(wp), parameter :: many = 100.0_wp, much = 2.0e-2_wp, least = 1.0e-3_wp
-      character(:), allocatable :: remedy, whose
+      character(:), allocatable :: whose
       real(wp) :: part, allowed, speed, worst, rest
       integer :: i, culprit
       text = ''
@@ -242,15 +242,11 @@ contains
       end do
       if (culprit == 0) return
       allowed = min(many*dynamics%tolerance**(2.0_wp/3), much)
-      remedy = 'a smaller TOLERANCE, or another INTEGRATOR'
-      if (dynamics%fixed_step > 0.0_wp) then
-         allowed = much
-         remedy = 'a smaller FIXED STEP, or another INTEGRATOR'
-      end if
+      if (dynamics%fixed_step > 0.0_wp) allowed = much
       if (part <= allowed) return
       text = dynamics%integrator//' does not keep the velocities that '//system%constraints(culprit)%item%label// &
          & ' prescribes: at t = '//as_text(t(culprit), 8)//' they are off by '//as_text(100*part, 2)//' %'//whose//', and'// &
-         & ' kinetic energy, work, accelerations and forces with them; use '//remedy
+         & ' kinetic energy, work, accelerations and forces with them; use '//dynamics%finer()//', or another INTEGRATOR'
    end function slip_warning
 
    !> Text about a jump, if constraints have lost their grip there.
@@ -267,8 +263,8 @@ contains
       if (names == '') return
       text = "the velocities of body '"//system%model%bodies(body)%name//"' change abruptly at t = "//as_text(t, 8)// &
          & ', where branches of the motion meet ('//names//' have lost their grip but for '// &
-         & as_text(100*grip, 2)//' %): it may have gone over to another branch; compare with INTEGRATOR=ADAMS or a smaller'// &
-         & ' TOLERANCE'
+         & as_text(100*grip, 2)//' %): it may have gone over to another branch; compare with INTEGRATOR=ADAMS or '// &
+         & system%model%dynamics%finer()
    end subroutine explain
 
    !> Names of the constraints that have lost their grip at a state, as at a dead centre or a fold; empty if there are none.

@@ -2,9 +2,12 @@
 !> and of time. Springs of any characteristic, actuators, bushings, friction, torques of sections and between bodies, follower
 !> forces and controllers are made of it. Floor: multibody. Source: doc/theory, eqs. (3.34)-(3.36).
 module limber_multibody_force_elements
+   use, intrinsic :: ieee_exceptions, only: ieee_get_halting_mode, ieee_set_halting_mode, ieee_get_flag, ieee_set_flag, &
+      & ieee_all
    use limber_base_kinds, only: wp, long
    use limber_deck_expression, only: expression_type
    use limber_deck_operations, only: jet_type
+   use limber_deck_range, only: range_type, law_range_over
    use limber_model_model, only: most_slots
    use limber_multibody_load_functions, only: load_function_type, gauge_distance, read_gauge, read_gap, gauge_ends, &
       & gauge_curvature, &
@@ -19,12 +22,13 @@ module limber_multibody_force_elements
 
    !> Most gauges of a load, and most things that its law depends on
    integer, parameter :: max_gauges = most_slots + 1, max_slots = most_slots
-   !> Gauss points and weights on -1..1, how often an interval is halved at most, and how many may be rough
+   !> Gauss points and weights on -1..1, how often an interval is halved at most, and how many may be rough: in a step, and of an
+   !> energy
    real(wp), parameter :: gauss(5) = [-0.906179845938663993_wp, -0.538469310105683091_wp, 0.0_wp, 0.538469310105683091_wp, &
       & 0.906179845938663993_wp]
    real(wp), parameter :: gauss_weights(5) = [0.236926885056189088_wp, 0.478628670499366468_wp, 0.568888888888888889_wp, &
       & 0.478628670499366468_wp, 0.236926885056189088_wp]
-   integer, parameter :: deepest = 40, most_rough = 64
+   integer, parameter :: deepest = 40, few_rough = 64, most_rough = 1024
 
    !> A force  f = -k s - c s' + factor law(s, s', other gauges and rates, t)  along the first gauge s: the generalised forces are f
    !> times its gradient. A follower acts on the first marker only, along the direction.
@@ -50,9 +54,11 @@ module limber_multibody_force_elements
       procedure :: add_tangent => effort_add_tangent
       procedure :: add_elasticity => effort_add_elasticity
       procedure :: add_energy => effort_add_energy
+      procedure :: energy_doubt => effort_energy_doubt
       procedure :: begin_energy => effort_begin_energy
       procedure :: add_power => effort_add_power
       procedure :: add_missed_power => effort_add_missed_power
+      procedure :: add_missed_force => effort_add_missed_force
       procedure :: state_along => effort_state
       procedure :: measure
       procedure :: read_motion
@@ -314,13 +320,26 @@ contains
       class(force_element_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
       real(wp), intent(inout) :: sum
-      real(wp) :: value, rate, weights(2, 3)
+      real(wp) :: value, rate, weights(2, 3), mean, open
       if (.not. (self%stores .or. self%stiffness > 0.0_wp)) return
       call read_gauge(self%gauges(1), kinematics, value, rate, weights)
       sum = sum + 0.5_wp*self%stiffness*value**2
-      if (self%stores) sum = sum - self%factor*(value - self%origin)*mean_law(self%law, self%sign, self%shift, self%origin, &
-         & value)
+      if (.not. self%stores) return
+      call find_mean(self%law, self%sign, self%shift, self%origin, value, .true., mean, open)
+      sum = sum - self%factor*(value - self%origin)*mean
    end subroutine effort_add_energy
+
+   !> What the integral of a law may be off by, where it comes and goes too often.
+   pure real(wp) function effort_energy_doubt(self, kinematics) result(doubt)
+      class(force_element_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp) :: value, rate, weights(2, 3), mean, open
+      doubt = 0.0_wp
+      if (.not. self%stores) return
+      call read_gauge(self%gauges(1), kinematics, value, rate, weights)
+      call find_mean(self%law, self%sign, self%shift, self%origin, value, .true., mean, open, doubt)
+      doubt = abs(self%factor*(value - self%origin))*doubt
+   end function effort_energy_doubt
 
    !> The energy of a law is its integral from zero, or from the first value where that does not exist, as of 1/s.
    pure subroutine effort_begin_energy(self, kinematics)
@@ -331,7 +350,7 @@ contains
       real(wp) :: value, rate, weights(2, 3), mean, open
       if (.not. self%stores) return
       call read_gauge(self%gauges(1), kinematics, value, rate, weights)
-      call find_mean(self%law, self%sign, self%shift, 0.0_wp, value, mean, open)
+      call find_mean(self%law, self%sign, self%shift, 0.0_wp, value, .true., mean, open)
       self%origin = merge(0.0_wp, value, open <= nothing*min(abs(mean), huge(mean)))
    end subroutine effort_begin_energy
 
@@ -367,6 +386,25 @@ contains
       end if
    end subroutine effort_add_missed_power
 
+   !> Of the law, unless it has an energy.
+   pure subroutine effort_add_missed_force(self, mean, now, part, force)
+      class(force_element_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: mean, now
+      real(wp), intent(in) :: part
+      real(wp), intent(inout) :: force(:)
+      real(wp) :: value, rate, push, weights(2, 3)
+      integer :: m, k
+      if (self%potential .or. .not. self%driven) return
+      call read_gauge(self%gauges(1), mean, value, rate, weights)
+      push = part*self%factor*(law_value(self, now) - law_value(self, mean))
+      do m = 1, merge(1, 3, self%follower)
+         k = self%gauges(1)%parts(m)
+         if (k == 0) cycle
+         call add_marker(mean%markers(self%gauges(1)%markers(m)), push*weights(:, m), &
+            & force(self%offsets(k) + 1:self%offsets(k) + self%rates(k)))
+      end do
+   end subroutine effort_add_missed_force
+
    !> Mean of a law of one variable between two values of it: its antiderivative's difference over theirs, by Gauss's formula on
    !> intervals that are halved until both halves agree with the whole, and the law takes the same branches at both ends: a stop
    !> that begins behind the last of Gauss's points counts too. Kinks leave few intervals rough, however deep; where very
@@ -377,61 +415,101 @@ contains
       real(wp), intent(in) :: sign(:), shift(:)
       real(wp), intent(in) :: start, end
       real(wp) :: open
-      call find_mean(law, sign, shift, start, end, mean, open)
+      call find_mean(law, sign, shift, start, end, .false., mean, open)
    end function mean_law
 
-   !> The same, and how much of it, in size, comes from the intervals that were not small enough at last.
-   pure subroutine find_mean(law, sign, shift, start, end, mean, open)
+   !> The same, and how much of it, in size, comes from the intervals that were not small enough at last. Over a long way, as that
+   !> of an energy, all points of an interval may miss what comes and goes between them: its bounds do not. It is halved as long as
+   !> they lie beyond the points by as much as in its parent; bounds that are only wide shrink.
+   pure subroutine find_mean(law, sign, shift, start, end, is_long, mean, open, doubt)
       type(expression_type), intent(in) :: law
       real(wp), intent(in) :: sign(:), shift(:)
       real(wp), intent(in) :: start, end
+      !> Whether the way may be long
+      logical, intent(in) :: is_long
       real(wp), intent(out) :: mean, open
-      !> Ends of the intervals that are rough, branches there and means over them
-      real(wp) :: ends(2, most_rough), means(most_rough)
-      real(wp) :: next_ends(2, 2*most_rough), next_means(2*most_rough)
+      !> By how much halves and whole of such intervals differ
+      real(wp), intent(out), optional :: doubt
+      !> Errors relative to the largest value that count as round-off, and where very many intervals are rough; excess of bounds
+      !> that counts as none; part of it that is left in a half where bounds are only wide
+      real(wp), parameter :: fine = 1.0e-15_wp, coarse = 1.0e-11_wp, negligible = 1.0e-13_wp, shrinks = 0.6_wp
+      !> Ends of the intervals that are rough, branches there, means over them, and the least and largest value at their points
+      real(wp) :: ends(2, most_rough), means(most_rough), spans(2, most_rough)
+      real(wp) :: next_ends(2, 2*most_rough), next_means(2*most_rough), next_spans(2, 2*most_rough)
       integer(long) :: branches(2, most_rough), next_branches(2, 2*most_rough), between
-      real(wp) :: middle, halves(2), level, share
-      integer :: i, rough, found, depth
+      real(wp) :: middle, halves(2), values(2, 2), level, share, exact, differences
+      integer :: i, rough, found, depth, most
+      logical :: differs, hides, bounded
       mean = 0.0_wp
       open = 0.0_wp
       level = 0.0_wp
       share = 1.0_wp
+      exact = fine
       rough = 1
       between = -1
+      bounded = is_long .and. law%may_bend()
+      most = merge(most_rough, few_rough, is_long)
+      hides = .false.
       ends(:, 1) = [start, end]
       branches(1, 1) = branch_at(law, sign, shift, start, end - start)
       branches(2, 1) = branches(1, 1)
       if (branches(1, 1) >= 0) branches(2, 1) = branch_at(law, sign, shift, end, end - start)
-      call gauss_mean(law, sign, shift, ends(:, 1), means(1), level)
+      call gauss_mean(law, sign, shift, ends(:, 1), means(1), spans(:, 1), level)
       do depth = 1, deepest
          found = 0
+         open = 0.0_wp
+         differences = 0.0_wp
          do i = 1, rough
             middle = ends(1, i) + 0.5_wp*(ends(2, i) - ends(1, i))
-            call gauss_mean(law, sign, shift, [ends(1, i), middle], halves(1), level)
-            call gauss_mean(law, sign, shift, [middle, ends(2, i)], halves(2), level)
+            call gauss_mean(law, sign, shift, [ends(1, i), middle], halves(1), values(:, 1), level)
+            call gauss_mean(law, sign, shift, [middle, ends(2, i)], halves(2), values(:, 2), level)
             if (branches(1, 1) >= 0) between = branch_at(law, sign, shift, middle, end - start)
-            if (share*abs(0.5_wp*sum(halves) - means(i)) > 1.0e-15_wp*level .or. any(branches(:, i) /= between)) then
+            differs = share*abs(0.5_wp*sum(halves) - means(i)) > exact*level .or. any(branches(:, i) /= between)
+            if (bounded .and. .not. differs) hides = may_hide(ends(:, i), spans(:, i), middle, values, share)
+            if (differs .or. hides) then
                next_ends(:, found + 1) = [ends(1, i), middle]
                next_ends(:, found + 2) = [middle, ends(2, i)]
                next_branches(:, found + 1) = [branches(1, i), between]
                next_branches(:, found + 2) = [between, branches(2, i)]
                next_means(found + 1:found + 2) = halves
+               next_spans(:, found + 1:found + 2) = values
                found = found + 2
+               if (differs) open = open + 0.5_wp*share*sum(abs(halves))
+               differences = differences + share*abs(0.5_wp*sum(halves) - means(i))
             else
                mean = mean + 0.5_wp*share*sum(halves)
             end if
          end do
          share = 0.5_wp*share
-         if (found > most_rough .or. depth == deepest) then
-            mean = mean + share*sum(next_means(:found))
-            open = share*sum(abs(next_means(:found)))
-         end if
-         if (found == 0 .or. found > most_rough) return
+         if (found > most .or. depth == deepest) mean = mean + share*sum(next_means(:found))
+         if (present(doubt)) doubt = differences
+         if (found == 0 .or. found > most) return
+         if (found > few_rough) exact = coarse
          rough = found
          ends(:, :rough) = next_ends(:, :rough)
          branches(:, :rough) = next_branches(:, :rough)
          means(:rough) = next_means(:rough)
+         spans(:, :rough) = next_spans(:, :rough)
       end do
+
+   contains
+
+      !> Whether the law may be something in an interval that its points do not show: its bounds lie beyond them, and do not
+      !> shrink in a half of it.
+      pure logical function may_hide(ends, span, middle, values, share) result(may)
+         !> Of the interval, and the least and largest value at its points
+         real(wp), intent(in) :: ends(2), span(2)
+         !> The same of its halves
+         real(wp), intent(in) :: middle, values(2, 2)
+         !> Part of the way
+         real(wp), intent(in) :: share
+         real(wp) :: beyond
+         beyond = excess_of(law, sign*ends(1) + shift, sign*ends(2) + shift, span)
+         may = share*beyond > negligible*level
+         if (may) may = max(excess_of(law, sign*ends(1) + shift, sign*middle + shift, values(:, 1)), &
+            & excess_of(law, sign*middle + shift, sign*ends(2) + shift, values(:, 2))) > shrinks*beyond
+      end function may_hide
+
    end subroutine find_mean
 
    !> The branches that a law of one variable takes behind a value, on the way from start to end; -1 if it has none.
@@ -448,22 +526,47 @@ contains
    end function branch_at
 
    !> Gauss's formula for the mean over an interval, and the largest value so far.
-   pure subroutine gauss_mean(law, sign, shift, ends, mean, level)
+   pure subroutine gauss_mean(law, sign, shift, ends, mean, span, level)
       type(expression_type), intent(in) :: law
       real(wp), intent(in) :: sign(:), shift(:)
       real(wp), intent(in) :: ends(2)
       real(wp), intent(out) :: mean
+      !> Least and largest value at the points
+      real(wp), intent(out) :: span(2)
       real(wp), intent(inout) :: level
       real(wp) :: values(max_slots), f
       integer :: k
       mean = 0.0_wp
+      span = [huge(f), -huge(f)]
       do k = 1, size(gauss)
          f = 0.5_wp*(ends(1) + ends(2)) + 0.5_wp*(ends(2) - ends(1))*gauss(k)
          values(:size(sign)) = sign*f + shift
          f = law%evaluate(values(:size(sign)))
          mean = mean + 0.5_wp*gauss_weights(k)*f
          level = max(level, abs(f))
+         span = [min(span(1), f), max(span(2), f)]
       end do
    end subroutine gauss_mean
+
+   !> By how much the bounds of a law lie beyond two values while its slots are between two places; where it may be undefined there
+   !> by any number.
+   pure real(wp) function excess_of(law, first, second, span) result(excess)
+      type(expression_type), intent(in) :: law
+      !> Slots at both places
+      real(wp), intent(in) :: first(:), second(:)
+      !> The lower and the higher one
+      real(wp), intent(in) :: span(2)
+      type(range_type) :: range
+      logical :: halting(size(ieee_all)), flags(size(ieee_all))
+      excess = huge(excess)
+      ! Bounds may overflow where the law does not
+      call ieee_get_halting_mode(ieee_all, halting)
+      call ieee_get_flag(ieee_all, flags)
+      call ieee_set_halting_mode(ieee_all, .false.)
+      range = law_range_over(law, min(first, second), max(first, second))
+      if (range%defined) excess = min(huge(excess), max(0.0_wp, span(1) - range%low, range%high - span(2)))
+      call ieee_set_flag(ieee_all, flags)
+      call ieee_set_halting_mode(ieee_all, halting)
+   end function excess_of
 
 end module limber_multibody_force_elements

@@ -34,10 +34,14 @@ module limber_multibody_load
       procedure(energy_interface), deferred :: add_power
       !> Power that its law has somewhere in a step, less that of the force that the step takes
       procedure(missed_interface), deferred :: add_missed_power
+      !> The same of the force, of what has no energy
+      procedure :: add_missed_force => miss_nothing
       !> The scalar that it acts along, its rate, and the force along it
       procedure(state_interface), deferred :: state_along
       !> Energy that it stores
       procedure :: add_energy => store_nothing
+      !> What that may be off by
+      procedure :: energy_doubt => doubt_nothing
       !> Stiffness that it has whatever its force is
       procedure :: add_elasticity => stiffen_nothing
       !> Settles from where that is counted
@@ -111,6 +115,7 @@ module limber_multibody_load
       procedure :: add_tangent => force_add_tangent
       procedure :: add_power => force_add_power
       procedure :: add_missed_power => force_add_missed_power
+      procedure :: add_missed_force => force_add_missed_force
       procedure :: state_along => force_state
    end type dead_force_type
 
@@ -124,6 +129,7 @@ module limber_multibody_load
       procedure :: add_tangent => torque_add_tangent
       procedure :: add_power => torque_add_power
       procedure :: add_missed_power => torque_add_missed_power
+      procedure :: add_missed_force => torque_add_missed_force
       procedure :: state_along => torque_state
    end type body_torque_type
 
@@ -152,6 +158,26 @@ contains
       real(wp), intent(inout) :: sum
    end subroutine store_nothing
 
+   !> The missed force of a load whose force over a step is not that of a law at its mean.
+   pure subroutine miss_nothing(self, mean, now, part, force)
+      class(load_type), intent(in) :: self
+      !> Of the step; at an instant of it, placed and moved
+      type(kinematics_type), intent(in) :: mean, now
+      !> What it is multiplied by
+      real(wp), intent(in) :: part
+      !> As that of `add_force` (rates)
+      real(wp), intent(inout) :: force(:)
+      if (size(force) > 0) force(1) = force(1) + 0*self%rates(1)*part*(now%time - mean%time)
+   end subroutine miss_nothing
+
+   !> Doubt of an energy in closed form.
+   pure real(wp) function doubt_nothing(self, kinematics) result(doubt)
+      class(load_type), intent(in) :: self
+      !> Placed
+      type(kinematics_type), intent(in) :: kinematics
+      doubt = 0*self%share*kinematics%time
+   end function doubt_nothing
+
    pure subroutine force_add_force(self, kinematics, force)
       class(dead_force_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
@@ -179,6 +205,14 @@ contains
       real(wp), intent(inout) :: sum
       sum = sum + dot_product(force_at(self, now%time) - force_at(self, mean%time), now%markers(self%marker)%velocity)
    end subroutine force_add_missed_power
+
+   pure subroutine force_add_missed_force(self, mean, now, part, force)
+      class(dead_force_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: mean, now
+      real(wp), intent(in) :: part
+      real(wp), intent(inout) :: force(:)
+      call add_marker(mean%markers(self%marker), part*(force_at(self, now%time) - force_at(self, mean%time)), force)
+   end subroutine force_add_missed_force
 
    pure subroutine force_state(self, kinematics, value, rate, push)
       class(dead_force_type), intent(in) :: self
@@ -227,6 +261,14 @@ contains
       real(wp), intent(inout) :: sum
       sum = sum + (torque_at(self, now%time) - torque_at(self, mean%time))*now%frames(self%bodies(1))%omega
    end subroutine torque_add_missed_power
+
+   pure subroutine torque_add_missed_force(self, mean, now, part, force)
+      class(body_torque_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: mean, now
+      real(wp), intent(in) :: part
+      real(wp), intent(inout) :: force(:)
+      force(3) = force(3) + part*(torque_at(self, now%time) - torque_at(self, mean%time))
+   end subroutine torque_add_missed_force
 
    pure subroutine torque_state(self, kinematics, value, rate, push)
       class(body_torque_type), intent(in) :: self

@@ -14,7 +14,7 @@ module limber_multibody_motion_laws
    private
    public :: moment_type, new_moment, watched_loads, read_moment, law_between, law_noise, law_effect, law_turn, &
       & law_bend, law_rests, law_within, law_excess, law_is_steep, law_is_stored, quartic, &
-      & describe_law
+      & describe_law, no_slope_text
 
    !> Watched laws at a moment
    type :: moment_type
@@ -342,6 +342,42 @@ contains
          value = value + weight*quarters(i)%force(law)
       end do
    end function quartic
+
+   !> Which law has no derivative at a state, ": the law of 'x' on body 'y' ..."; empty if all have one.
+   function no_slope_text(system, kinematics) result(text)
+      type(system_type), intent(in) :: system
+      !> Placed and moved
+      type(kinematics_type), intent(in) :: kinematics
+      character(:), allocatable :: text
+      type(ieee_status_type) :: status
+      type(jet_type) :: line(max_slots), jet
+      real(wp) :: place(max_slots), rate(max_slots), gap(2, max_slots), drift(2, max_slots)
+      integer :: i, k
+      text = ''
+      call ieee_get_status(status)
+      call ieee_set_halting_mode(ieee_all, .false.)
+      do i = 1, size(system%loads)
+         select type (load => system%loads(i)%item)
+         type is (force_element_type)
+            if (.not. load%driven) cycle
+            call load%read_motion(kinematics, place, rate, gap, drift)
+            do k = 1, size(load%slots)
+               line(k) = jet_type(merge(rate(k), place(k), load%by_rate(k)), 0.0_wp, 0.0_wp)
+            end do
+            do k = 1, size(load%slots)
+               if (load%slots(k) == 0) cycle
+               line(k)%first = 1.0_wp
+               jet = load%law%evaluate_along(line(:size(load%slots)))
+               line(k)%first = 0.0_wp
+               if (abs(jet%first) <= huge(jet%first) .or. text /= '') cycle
+               text = ': '//describe_law(system, i)//' has no derivative there by '//load%law%slots(k)%name
+               if (load%law%slots(k)%argument /= '') text = text//'('//load%law%slots(k)%argument//')'
+               text = text//', as acos(x) has none at x = 1; write a law that has one'
+            end do
+         end select
+      end do
+      call ieee_set_status(status)
+   end function no_slope_text
 
    !> Name of a load and the first body that its law depends on or acts on: "the law of 'x' on body 'y'".
    pure function describe_law(system, load) result(text)

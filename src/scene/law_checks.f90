@@ -10,9 +10,12 @@ module limber_scene_law_checks
    use limber_scene_outcome, only: outcome_type, warn
    use limber_model_law_breaks, only: undefined_at, find_breaks, find_stations
    use limber_model_model, only: model_type
+   use limber_multibody_kinematics, only: kinematics_type
+   use limber_multibody_motion_laws, only: describe_law
+   use limber_multibody_system, only: system_type
    implicit none
    private
-   public :: check_laws, find_instants
+   public :: check_laws, find_instants, check_law_energies
 
 contains
 
@@ -79,5 +82,31 @@ contains
       end function up_to
 
    end subroutine find_instants
+
+   !> A warning, once, if the energy of a law is not known at a sample of an analysis that has no balance of energy.
+   subroutine check_law_energies(system, kinematics, t, outcome)
+      type(system_type), intent(in) :: system
+      !> Placed; and the time
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp), intent(in) :: t
+      type(outcome_type), intent(inout) :: outcome
+      !> Part of an energy that it may be off by
+      real(wp), parameter :: allowed = 0.01_wp
+      real(wp) :: energy, doubt
+      integer :: i
+      if (outcome%unsure) return
+      do i = 1, size(system%loads)
+         doubt = system%loads(i)%item%energy_doubt(kinematics)
+         if (.not. doubt > 0.0_wp) cycle
+         energy = 0.0_wp
+         call system%loads(i)%item%add_energy(kinematics, energy)
+         if (doubt <= allowed*abs(energy)) cycle
+         outcome%unsure = .true.
+         call warn(outcome, describe_law(system, i)//' comes and goes too often for its integral: at t = '//as_text(t, 8)// &
+            & ' the energy '//as_text(energy, 3)//', which potential_energy(system) and the work take from it, may be off by '// &
+            & as_text(doubt, 2)//'; write a law with fewer bends')
+         return
+      end do
+   end subroutine check_law_energies
 
 end module limber_scene_law_checks

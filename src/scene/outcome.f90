@@ -30,6 +30,8 @@ module limber_scene_outcome
       real(wp), allocatable :: slip(:), slip_time(:), slip_speed(:)
       !> Whether a sample could not be brought onto the constraints
       logical :: astray = .false.
+      !> Whether the energy of a law has been told to be not known
+      logical :: unsure = .false.
       !> Whether a channel had no value at a sample (channels); not allocated if all had one
       logical, allocatable :: undefined(:)
       !> Mechanical energy at the start and the end, and work put in
@@ -79,6 +81,7 @@ contains
       call snapshot%keep('slip_time', self%slip_time)
       call snapshot%keep('slip_speed', self%slip_speed)
       call snapshot%exchange('astray', self%astray)
+      call snapshot%exchange('unsure', self%unsure)
       call snapshot%keep('undefined', self%undefined)
       call snapshot%exchange('first_energy', self%first_energy)
       call snapshot%exchange('last_energy', self%last_energy)

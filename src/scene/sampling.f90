@@ -256,7 +256,7 @@ contains
       call worst_constraint(system, work, culprit, worst)
       call warn(outcome, system%constraints(culprit)%item%label//' is not kept at the sample at t = '//as_text(t, 8)// &
          & ' (residual '//as_text(worst, 3)//'): it is nearly singular there, or masses differ too much; this sample,'// &
-         & ' and others like it, are wrong; try a smaller TOLERANCE, or another INTEGRATOR')
+         & ' and others like it, are wrong; try '//system%model%dynamics%finer()//', or another INTEGRATOR')
    end subroutine check_place
 
    !> An error if a state is no number; a warning if a channel is none, once a run.

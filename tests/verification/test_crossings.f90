@@ -1,7 +1,7 @@
 !> Laws of the motion that steps could jump over: a quarter car over a bump far away, whose numbers an integrator with events has
 !> made (Dormand and Prince, order 8, the breaks met); a narrow pulse in place, in closed form; pulses of a road, and
 !> friction whose law nearly jumps (the same integrator); a ball on a hard floor, in closed form; what sticks where a law jumps; and
-!> hills of place, steep or on the move, by their energies.
+!> hills of place, steep or on the move, by their energies; narrow forces of relative place beside heavy bodies, in closed form.
 !> Usage, in tests/: test_crossings RESULT_FILE
 program test_crossings
    use, intrinsic :: ieee_exceptions, only: ieee_all, ieee_get_halting_mode, ieee_set_halting_mode
@@ -37,6 +37,14 @@ program test_crossings
    call check_grazed('INTEGRATOR=RADAU', '1e-10', 1.0e-9_wp, 1.0e-6_wp)
    call check_grazed('INTEGRATOR=ADAMS', '1e-6', 1.0e-8_wp, 1.0e-5_wp)
    call check_grazed('INTEGRATOR=ADAMS', '1e-10', 1.0e-9_wp, 1.0e-6_wp)
+   do i = 1, size(integrators)
+      call check_relative(integrators(i), '2e-3', '1')
+      call check_relative(integrators(i), '2e-3', '1e3')
+      call check_relative(integrators(i), '2e-3', '1e9')
+      call check_relative(integrators(i), '3e-4', '1e9')
+   end do
+   call check_no_slope('RADAU')
+   call check_no_slope('ALPHA')
    call check_peak()
    call check_round_off()
    call check_drag()
@@ -72,6 +80,41 @@ program test_crossings
    call finish()
 
 contains
+
+   !> A force on a light body by its place relative to another, however heavy: 10 sqrt(pi) of work in a time of w/12.
+   subroutine check_relative(integrator, w, mass)
+      !> Width of the force, mass of the other body
+      character(*), intent(in) :: integrator, w, mass
+      character(1), parameter :: nl = new_line('a')
+      real(wp), parameter :: expected = sqrt(144 + 20*sqrt(acos(-1.0_wp))) - 2
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report
+      real(wp), allocatable :: speed(:)
+      call run_text('*POINT MASS, NAME=m, MASS=1, X=-5, VX=10'//nl//'*POINT MASS, NAME=n, MASS='//mass//', X=3, VX=-2'//nl// &
+         & '*FORCE, NAME=f, POINT=m'//nl//' 10/'//w//'*exp(-((x(m) - x(n))/'//w//')**2), 0'//nl// &
+         & '*DYNAMICS, END=2, OUTPUTS=2, '//trim(integrator)//nl//'*OUTPUT'//nl//' vx(m)'//nl, trim(results), report, error)
+      call check(.not. allocated(error), 'a force of relative place runs')
+      if (allocated(error)) return
+      call reader%open(trim(results), error)
+      speed = channel(reader, 'vx_m')
+      call reader%close()
+      call check_close(speed(3), expected, 3.0e-4_wp, 'force of width '//w//' beside a mass of '//mass//', '//integrator)
+   end subroutine check_relative
+
+   !> A law without a derivative where the motion begins: what is told is the law.
+   subroutine check_no_slope(integrator)
+      character(*), intent(in) :: integrator
+      character(1), parameter :: nl = new_line('a')
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report
+      call run_text('*POINT MASS, NAME=m, MASS=1, VX=1'//nl//'*FORCE, NAME=f, POINT=m'//nl// &
+         & ' acos(cos(10*x(m))) - pi/2, 0'//nl//'*DYNAMICS, END=4, INTEGRATOR='//integrator//nl//'*OUTPUT'//nl//' vx(m)'//nl, &
+         & trim(results), report, error)
+      call check(allocated(error), 'a law without a derivative at the start, '//integrator)
+      if (allocated(error)) call check(index(error%message, "the law of 'f' on body 'm' has no derivative there by x(m)") > 0, &
+         & 'a law without a derivative is named: '//error%message)
+   end subroutine check_no_slope
 
    !> A mass thrown up by 1/2 that a force along x pushes in the last d of its way, 2 sqrt(2 d) long, to twice its speed: both ways
    !> through the law lie next to each other, and the coordinate moves by next to nothing between them.

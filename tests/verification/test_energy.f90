@@ -2,9 +2,10 @@
 !> tolerance. Usage, in tests/: test_energy RESULT_FILE
 program test_energy
    use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type
    use limber_base_text, only: as_text
    use limber_output_history_reader, only: history_reader_type
-   use runs, only: run_changed, channel
+   use runs, only: run_changed, run_text, check_warning, channel
    use testing, only: check, check_close, finish
    implicit none
    character(256) :: results
@@ -19,9 +20,82 @@ program test_energy
    call check_pole('0.5/x**1.2')
    call check_pole('2/x**2')
    call check_pole('x')
+   call check_law_energy('KINEMATICS, END=1, OUTPUTS=100')
+   call check_law_energy('STATICS, PERIOD=1, INCREMENTS=100')
+   call check_unknown_energy()
+   call check_fixed_step()
    call finish()
 
 contains
+
+   !> The energies of two springs along a driven slide, one with a narrow pulse, the other with a law that goes to and fro, against
+   !> their integrals.
+   subroutine check_law_energy(analysis)
+      character(*), intent(in) :: analysis
+      character(1), parameter :: nl = new_line('a')
+      real(wp), parameter :: w = 0.01_wp, pi = acos(-1.0_wp)
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report
+      real(wp), allocatable :: x(:), energy(:), work(:), pulse(:), wave(:)
+      character(32) :: law(2)
+      integer :: k
+      law = [character(32) :: '-10/0.01*exp(-((x-5.3)/0.01)**2)', '10*sin(100*x)']
+      do k = 1, 2
+         call run_text('*POINT MASS, NAME=m, MASS=1, X=2'//nl//'*JOINT, NAME=j, TYPE=POINT ON LINE'//nl// &
+            & ' m, ground.origin'//nl//'*DRIVER, NAME=dx, TYPE=X, POINT=m'//nl//' 2 + 10*t'//nl// &
+            & '*SPRING, NAME=s, LENGTH=1'//nl//' m, ground.origin, '//trim(law(k))//nl//'*'//analysis//nl//'*OUTPUT'//nl// &
+            & ' x(m), potential_energy(system), work(system)'//nl, trim(results), report, error)
+         call check(.not. allocated(error), 'energy of a law: '//analysis)
+         if (allocated(error)) return
+         call reader%open(trim(results), error)
+         x = channel(reader, 'x_m') - 1
+         energy = channel(reader, 'potential_energy_system')
+         work = channel(reader, 'work_system')
+         call check_warning(reader, '', 'energy of a law: '//analysis)
+         call reader%close()
+         pulse = -5*sqrt(pi)*(erf((x - 5.3_wp)/w) - erf(-5.3_wp/w))
+         wave = 0.1_wp*(1 - cos(100*x))
+         if (k == 1) call check_close(maxval(abs(energy - pulse)), 0.0_wp, 1.0e-9_wp, 'energy of a pulse: '//analysis)
+         if (k == 2) call check_close(maxval(abs(energy - wave)), 0.0_wp, 1.0e-9_wp, 'energy of a wave: '//analysis)
+         if (index(analysis, 'KINEMATICS') > 0) call check_close(maxval(abs(work - (energy - energy(1)))), &
+            & 0.0_wp, 1.0e-12_wp, 'work on a law: '//analysis)
+      end do
+   end subroutine check_law_energy
+
+   !> A law that goes to and fro too often for its integral: that is told.
+   subroutine check_unknown_energy()
+      character(1), parameter :: nl = new_line('a')
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report
+      call run_text('*POINT MASS, NAME=m, MASS=1, X=2'//nl//'*JOINT, NAME=j, TYPE=POINT ON LINE'//nl// &
+         & ' m, ground.origin'//nl//'*DRIVER, NAME=dx, TYPE=X, POINT=m'//nl//' 2 + 10*t'//nl// &
+         & '*SPRING, NAME=s, LENGTH=1'//nl//' m, ground.origin, 10*sin(1e4*x)'//nl//'*KINEMATICS, END=1, OUTPUTS=10'//nl// &
+         & '*OUTPUT'//nl//' potential_energy(system)'//nl, trim(results), report, error)
+      call check(.not. allocated(error), 'an energy that is not known runs')
+      if (allocated(error)) return
+      call reader%open(trim(results), error)
+      call check_warning(reader, "the law of 's' on body 'm' comes and goes too often for its integral", &
+         & 'an energy that is not known')
+      call reader%close()
+   end subroutine check_unknown_energy
+
+   !> Where the deck gives the step, a warning does not ask for another tolerance.
+   subroutine check_fixed_step()
+      character(1), parameter :: nl = new_line('a')
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report
+      call run_text('*POINT MASS, NAME=m, MASS=1, X=1'//nl//'*SPRING, NAME=s, STIFFNESS=10, LENGTH=0.5'//nl// &
+         & ' m, ground.origin'//nl//'*DYNAMICS, END=1, FIXED STEP=0.3, OUTPUTS=4'//nl//'*OUTPUT'//nl//' x(m)'//nl, &
+         & trim(results), report, error)
+      call check(.not. allocated(error), 'steps that are too long run')
+      if (allocated(error)) return
+      call reader%open(trim(results), error)
+      call check_warning(reader, 'compare with a run at a smaller FIXED STEP, or without it', 'a step that is too long')
+      call reader%close()
+   end subroutine check_fixed_step
 
    !> Spring and torque; the last angle against the published one.
    subroutine check_squeezer(tolerance, allowed)

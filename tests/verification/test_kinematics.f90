@@ -5,7 +5,7 @@ program test_kinematics
    use limber_base_error, only: error_type
    use limber_commands_run, only: run_deck
    use limber_output_history_reader, only: history_reader_type
-   use runs, only: run_changed, change_deck, channel
+   use runs, only: run_changed, run_text, change_deck, channel
    use testing, only: check, check_close, check_no_error, check_text, finish
    implicit none
    real(wp), parameter :: a = 0.15_wp, b = 0.30_wp, speed = 10.0_wp, g = 9.81_wp, pi = acos(-1.0_wp)
@@ -17,6 +17,7 @@ program test_kinematics
    call check_missing_driver()
    call check_dead_centre()
    call check_gap()
+   call check_pulse()
    call finish()
 
 contains
@@ -183,5 +184,52 @@ contains
       y = sin(angle)
       rocker_angle = atan2(y, x) - acos((x**2 + y**2 + rocker**2 - 4)/(2*rocker*sqrt(x**2 + y**2)))
    end function rocker_angle
+
+   !> A four-bar linkage with rods of 0.2, 0.15, 0.15 on pivots 0.3 apart, and a crank that a driver moves between two samples by a
+   !> pulse: beyond the reach, where cos(angle) = 1/3 and both rods are in line, it stops; within, the samples are those without.
+   subroutine check_pulse()
+      real(wp), parameter :: reach = acos((0.2_wp**2 + 0.3_wp**2 - 0.3_wp**2)/(2*0.2_wp*0.3_wp)), width = 2.0e-4_wp
+      character(40), parameter :: analysis(3) = [character(40) :: 'KINEMATICS, END=1, OUTPUTS=20', &
+         & 'INVERSE DYNAMICS, END=1, OUTPUTS=20', 'STATICS, PERIOD=1, INCREMENTS=20']
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      real(wp), allocatable :: angle(:)
+      real(wp) :: found
+      integer :: k, at, status
+      do k = 1, size(analysis)
+         call run_pulse('1.5', analysis(k), error)
+         call check(allocated(error), 'no way beyond the reach within a pulse: '//analysis(k))
+         if (allocated(error)) then
+            call check(index(error%message, "driver 'm'") > 0, 'who is beyond the reach: '//error%message)
+            at = index(error%message, 'behind t = ') + len('behind t = ')
+            found = 0.0_wp
+            read (error%message(at:at + scan(error%message(at:), ':') - 2), *, iostat=status) found
+            call check_close(found, 0.43_wp - width*sqrt(log(1.5_wp/(reach - 0.3_wp))), 1.0e-6_wp, &
+               & 'where the reach ends: '//analysis(k))
+         end if
+         call run_pulse('0.5', analysis(k), error)
+         call check(.not. allocated(error), 'a pulse within the reach: '//analysis(k))
+         if (allocated(error)) cycle
+         call reader%open(trim(results), error)
+         angle = channel(reader, 'angle_c')
+         call reader%close()
+         call check_close(maxval(abs(angle - 0.3_wp)), 0.0_wp, 1.0e-9_wp, 'samples beside a pulse: '//analysis(k))
+      end do
+   end subroutine check_pulse
+
+   !> Runs it with a pulse of a height.
+   subroutine run_pulse(height, analysis, error)
+      character(*), intent(in) :: height, analysis
+      type(error_type), allocatable, intent(out) :: error
+      character(1), parameter :: nl = new_line('a')
+      character(:), allocatable :: report
+      call run_text('*GROUND'//nl//' p, 0.3, 0'//nl//'*RIGID BODY, NAME=c, MASS=1, INERTIA=0.01, ANGLE=0.3'//nl//' e, 0.2, 0'// &
+         & nl//'*RIGID BODY, NAME=k, MASS=1, INERTIA=0.01, ANGLE=0.6, X=0.19, Y=0.06'//nl//' e, 0.15, 0'//nl// &
+         & '*RIGID BODY, NAME=r, MASS=1, INERTIA=0.01, ANGLE=1.4, X=0.3'//nl//' e, 0.15, 0'//nl// &
+         & '*JOINT, NAME=a, TYPE=REVOLUTE'//nl//' c, ground.origin'//nl//'*JOINT, NAME=b, TYPE=REVOLUTE'//nl//' k, c.e'//nl// &
+         & '*JOINT, NAME=d, TYPE=REVOLUTE'//nl//' k.e, r.e'//nl//'*JOINT, NAME=e, TYPE=REVOLUTE'//nl//' r, ground.p'//nl// &
+         & '*DRIVER, NAME=m, TYPE=ANGLE, BODY=c'//nl//' 0.3+'//height//'*exp(-((t-0.43)/0.0002)**2)'//nl//'*'//trim(analysis)// &
+         & nl//'*OUTPUT'//nl//' angle(c)'//nl, trim(results), report, error)
+   end subroutine run_pulse
 
 end program test_kinematics

@@ -1,24 +1,22 @@
-!> Loads along scalar functions, linear or by laws. A force along a gauge, linear in it or a law of it, of its rate, of other gauges
-!> and of time. Springs of any characteristic, actuators, bushings, friction, torques of sections and between bodies, follower
-!> forces and controllers are made of it. Floor: multibody. Source: doc/theory, eqs. (3.34)-(3.36).
+!> Loads along scalar functions, linear or by laws. A force along a function is linear in it, or a law of it, of its rate, of other
+!> functions and of time. Springs of any characteristic, actuators, bushings, friction, torques of sections and between bodies,
+!> follower forces and controllers are made of it. Floor: multibody. Source: doc/theory, eqs. (3.34)-(3.36).
 module limber_multibody_force_elements
    use limber_base_kinds, only: wp, long
    use limber_deck_expression, only: expression_type
    use limber_deck_operations, only: jet_type
    use limber_model_model, only: most_slots
-   use limber_multibody_load_functions, only: load_function_type, gauge_distance, read_gauge, read_gap, gauge_ends, &
-      & gauge_curvature, &
-      & gauge_column, &
-      & gauge_drift
    use limber_multibody_kinematics, only: kinematics_type
    use limber_multibody_load, only: load_type
    use limber_multibody_markers, only: add_marker, marker_stiffness
+   use limber_multibody_scalar_functions, only: scalar_function_type, scalar_distance, read_function, read_gap, function_ends, &
+      & function_hessian, hessian_times, function_column, function_drift
    implicit none
    private
    public :: force_element_type, max_slots
 
-   !> Most gauges of a load, and most things that its law depends on
-   integer, parameter :: max_gauges = most_slots + 1, max_slots = most_slots
+   !> Most scalar functions of a load, and most things that its law depends on
+   integer, parameter :: max_scalars = most_slots + 1, max_slots = most_slots
    !> Gauss points and weights on -1..1, how often an interval is halved at most, and how many may be rough
    real(wp), parameter :: gauss(5) = [-0.906179845938663993_wp, -0.538469310105683091_wp, 0.0_wp, 0.538469310105683091_wp, &
       & 0.906179845938663993_wp]
@@ -26,11 +24,11 @@ module limber_multibody_force_elements
       & 0.478628670499366468_wp, 0.236926885056189088_wp]
    integer, parameter :: deepest = 40, most_rough = 64
 
-   !> A force  f = -k s - c s' + factor law(s, s', other gauges and rates, t)  along the first gauge s: the generalised forces are f
-   !> times its gradient. A follower acts on the first marker only, along the direction.
+   !> A force  f = -k s - c s' + factor law(s, s', other functions and rates, t)  along the first function s: the generalised forces
+   !> are f times its gradient. A follower acts on the first marker only, along the direction.
    type, extends(load_type) :: force_element_type
       !> The first is that along which it acts
-      type(load_function_type), allocatable :: gauges(:)
+      type(scalar_function_type), allocatable :: functions(:)
       logical :: follower = .false.
       !> k, c, and what the law is multiplied by
       real(wp) :: stiffness = 0.0_wp, damping = 0.0_wp, factor = 0.0_wp
@@ -40,44 +38,44 @@ module limber_multibody_force_elements
       type(expression_type) :: law
       !> The value of s that the energy is counted from
       real(wp) :: origin = 0.0_wp
-      !> What each slot of the law stands for: a gauge, or 0 for the time; and whether its rate is meant
+      !> What each slot of the law stands for: a function, or 0 for the time; and whether its rate is meant
       integer, allocatable :: slots(:)
       logical, allocatable :: by_rate(:)
       !> Of a law of s alone: each slot is sign s + shift
       real(wp), allocatable :: sign(:), shift(:)
    contains
-      procedure :: add_force => effort_add_force
-      procedure :: add_tangent => effort_add_tangent
-      procedure :: add_elasticity => effort_add_elasticity
-      procedure :: add_energy => effort_add_energy
-      procedure :: begin_energy => effort_begin_energy
-      procedure :: add_power => effort_add_power
-      procedure :: add_missed_power => effort_add_missed_power
-      procedure :: state_along => effort_state
-      procedure :: measure
+      procedure :: add_force => element_add_force
+      procedure :: add_tangent => element_add_tangent
+      procedure :: add_elasticity => element_add_elasticity
+      procedure :: add_energy => element_add_energy
+      procedure :: begin_energy => element_begin_energy
+      procedure :: add_power => element_add_power
+      procedure :: add_missed_power => element_add_missed_power
+      procedure :: state_along => element_state_along
+      procedure :: force_along
       procedure :: read_motion
    end type force_element_type
 
 contains
 
-   pure subroutine effort_add_force(self, kinematics, force)
+   pure subroutine element_add_force(self, kinematics, force)
       class(force_element_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
       real(wp), intent(inout) :: force(:)
       real(wp) :: value, rate, push, weights(2, 3)
       integer :: m, part
-      call self%measure(kinematics, value, rate, push, weights)
+      call self%force_along(kinematics, value, rate, push, weights)
       do m = 1, merge(1, 3, self%follower)
-         part = self%gauges(1)%parts(m)
+         part = self%functions(1)%parts(m)
          if (part == 0) cycle
-         call add_marker(kinematics%markers(self%gauges(1)%markers(m)), push*weights(:, m), &
+         call add_marker(kinematics%markers(self%functions(1)%markers(m)), push*weights(:, m), &
             & force(self%offsets(part) + 1:self%offsets(part) + self%rates(part)))
       end do
-   end subroutine effort_add_force
+   end subroutine element_add_force
 
-   !> The gauge that the load acts along, its rate and the force along it; kinematics are placed and moved. Over a step the part
+   !> The function that the load acts along, its rate and the force along it; kinematics are placed and moved. Over a step the part
    !> that has an energy is its mean over the values between the ends, the rest is that of the mean.
-   pure subroutine measure(self, kinematics, value, rate, push, weights)
+   pure subroutine force_along(self, kinematics, value, rate, push, weights)
       class(force_element_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
       !> s, s', f
@@ -85,57 +83,57 @@ contains
       !> Derivatives of s by the positions of its markers (2, 3)
       real(wp), intent(out) :: weights(2, 3)
       real(wp) :: ends(2)
-      call read_gauge(self%gauges(1), kinematics, value, rate, weights)
-      if (self%follower) rate = dot_product(weights(:, 1), kinematics%markers(self%gauges(1)%markers(1))%velocity)
+      call read_function(self%functions(1), kinematics, value, rate, weights)
+      if (self%follower) rate = dot_product(weights(:, 1), kinematics%markers(self%functions(1)%markers(1))%velocity)
       push = -self%stiffness*value - self%damping*rate
       if (.not. self%driven) return
       if (self%potential .and. kinematics%span > 0.0_wp) then
-         call gauge_ends(self%gauges(1), kinematics, ends(1), ends(2))
+         call function_ends(self%functions(1), kinematics, ends(1), ends(2))
          push = push + self%factor*mean_law(self%law, self%sign, self%shift, ends(1), ends(2))
       else
          push = push + self%factor*law_value(self, kinematics)
       end if
-   end subroutine measure
+   end subroutine force_along
 
    !> The scalar, its rate and the force along it.
-   pure subroutine effort_state(self, kinematics, value, rate, push)
+   pure subroutine element_state_along(self, kinematics, value, rate, push)
       class(force_element_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
       real(wp), intent(out) :: value, rate, push
       real(wp) :: weights(2, 3)
-      call self%measure(kinematics, value, rate, push, weights)
-   end subroutine effort_state
+      call self%force_along(kinematics, value, rate, push, weights)
+   end subroutine element_state_along
 
-   !> The law at the values and rates of its gauges.
+   !> The law at the values and rates of its functions.
    pure real(wp) function law_value(self, kinematics) result(value)
       class(force_element_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
-      real(wp) :: values(max_slots), weights(2, 3, max_gauges)
+      real(wp) :: values(max_slots), weights(2, 3, max_scalars)
       call read_slots(self, kinematics, values, weights)
       value = self%law%evaluate(values(:size(self%slots)))
    end function law_value
 
-   !> Values of the slots of the law, and the weights of all gauges.
+   !> Values of the slots of the law, and the weights of all functions.
    pure subroutine read_slots(self, kinematics, values, weights)
       class(force_element_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
-      real(wp), intent(out) :: values(max_slots), weights(2, 3, max_gauges)
-      real(wp) :: gauges(max_gauges), rates(max_gauges)
+      real(wp), intent(out) :: values(max_slots), weights(2, 3, max_scalars)
+      real(wp) :: scalars(max_scalars), rates(max_scalars)
       integer :: k
-      do k = 1, size(self%gauges)
-         call read_gauge(self%gauges(k), kinematics, gauges(k), rates(k), weights(:, :, k))
+      do k = 1, size(self%functions)
+         call read_function(self%functions(k), kinematics, scalars(k), rates(k), weights(:, :, k))
       end do
       values = 0.0_wp
       do k = 1, size(self%slots)
          values(k) = kinematics%time
          if (self%slots(k) == 0) cycle
-         values(k) = gauges(self%slots(k))
+         values(k) = scalars(self%slots(k))
          if (self%by_rate(k)) values(k) = rates(self%slots(k))
       end do
    end subroutine read_slots
 
-   !> What the slots of the law are in a motion, and how fast they change; of a slot that is a rate, the gauge and its rate; of one that
-   !> is a distance, or its rate, also the vector.
+   !> What the slots of the law are in a motion, and how fast they change; of a slot that is a rate, the function and its rate; of
+   !> one that is a distance, or its rate, also the vector.
    pure subroutine read_motion(self, kinematics, place, rate, gap, drift)
       class(force_element_type), intent(in) :: self
       !> Placed and moved
@@ -149,33 +147,33 @@ contains
          place(k) = kinematics%time
          rate(k) = 1.0_wp
          if (self%slots(k) == 0) cycle
-         associate (gauge => self%gauges(self%slots(k)))
-            call read_gauge(gauge, kinematics, place(k), rate(k), weights)
-            if (gauge%kind == gauge_distance) call read_gap(gauge, kinematics, gap(:, k), drift(:, k))
+         associate (scalar => self%functions(self%slots(k)))
+            call read_function(scalar, kinematics, place(k), rate(k), weights)
+            if (scalar%kind == scalar_distance) call read_gap(scalar, kinematics, gap(:, k), drift(:, k))
          end associate
       end do
    end subroutine read_motion
 
-   !> With s_y the gradient of the gauge, s_yy what the curvature of its markers and of itself makes, and f_y, f_w the derivatives
-   !> of the force by coordinates and rates: the stiffness is -s_y f_y - f s_yy, the damping -s_y f_w.
-   pure subroutine effort_add_tangent(self, kinematics, stiffness, damping)
+   !> With s_y the gradient of the function, s_yy its second derivatives and those of its markers, and f_y, f_w the derivatives of
+   !> the force by coordinates and rates: the stiffness is -s_y f_y - f s_yy, the damping -s_y f_w.
+   pure subroutine element_add_tangent(self, kinematics, stiffness, damping)
       class(force_element_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
       real(wp), intent(inout) :: stiffness(:, :), damping(:, :)
-      real(wp) :: weights(2, 3, max_gauges), push(2, 3, max_gauges), by_value(max_gauges), by_rate(max_gauges)
-      real(wp) :: curvature(2, 3, 2, 3), value, rate, force, along(2, 3), column(2, 3), slope, drag, row
+      real(wp) :: weights(2, 3, max_scalars), push(2, 3, max_scalars), by_value(max_scalars), by_rate(max_scalars)
+      real(wp) :: h(2, 3, 2, 3), value, rate, force, along(2, 3), column(2, 3), slope, drag, row
       integer :: i, j, p, q, m, n, most
-      call self%measure(kinematics, value, rate, force, along)
-      call force_derivatives(self, kinematics, weights, push, by_value, by_rate, curvature)
+      call self%force_along(kinematics, value, rate, force, along)
+      call force_derivatives(self, kinematics, weights, push, by_value, by_rate, h)
       most = merge(1, 3, self%follower)
-      if (self%follower) curvature(:, 3, :, :) = 0.0_wp
+      if (self%follower) h(:, 3, :, :) = 0.0_wp
       do q = 1, size(self%rates)
          do j = 1, self%rates(q)
             call along_coordinate(self, kinematics, weights, push, by_value, by_rate, q, j, slope, drag)
             do m = 1, most
                column(:, m) = 0.0_wp
                do n = 1, 3
-                  column(:, m) = column(:, m) + times(curvature, m, n, gauge_column(self%gauges(1), kinematics, n, q, j))
+                  column(:, m) = column(:, m) + hessian_times(h, m, n, function_column(self%functions(1), kinematics, n, q, j))
                end do
                column(:, m) = along(:, m)*slope + force*column(:, m)
             end do
@@ -183,9 +181,9 @@ contains
                do i = 1, self%rates(p)
                   row = 0.0_wp
                   do m = 1, most
-                     row = row + dot_product(along(:, m), gauge_column(self%gauges(1), kinematics, m, p, i))
+                     row = row + dot_product(along(:, m), function_column(self%functions(1), kinematics, m, p, i))
                      stiffness(self%offsets(p) + i, self%offsets(q) + j) = stiffness(self%offsets(p) + i, self%offsets(q) + j) &
-                        & - dot_product(column(:, m), gauge_column(self%gauges(1), kinematics, m, p, i))
+                        & - dot_product(column(:, m), function_column(self%functions(1), kinematics, m, p, i))
                   end do
                   damping(self%offsets(p) + i, self%offsets(q) + j) = damping(self%offsets(p) + i, self%offsets(q) + j) - row*drag
                end do
@@ -193,61 +191,61 @@ contains
          end do
       end do
       do m = 1, most
-         p = self%gauges(1)%parts(m)
+         p = self%functions(1)%parts(m)
          if (p == 0) cycle
-         call marker_stiffness(kinematics, self%gauges(1)%markers(m), -force*along(:, m), &
+         call marker_stiffness(kinematics, self%functions(1)%markers(m), -force*along(:, m), &
             & stiffness(self%offsets(p) + 1:self%offsets(p) + self%rates(p), self%offsets(p) + 1:self%offsets(p) + self%rates(p)))
       end do
-   end subroutine effort_add_tangent
+   end subroutine element_add_tangent
 
-   !> Of the linear part, along the gauge.
-   pure subroutine effort_add_elasticity(self, kinematics, stiffness)
+   !> Of the linear part, along the function.
+   pure subroutine element_add_elasticity(self, kinematics, stiffness)
       class(force_element_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
       real(wp), intent(inout) :: stiffness(:, :)
       real(wp) :: weights(2, 3), gradient(size(stiffness, 1)), value, rate
       integer :: j, m, p
       if (self%follower .or. .not. self%stiffness > 0.0_wp) return
-      call read_gauge(self%gauges(1), kinematics, value, rate, weights)
+      call read_function(self%functions(1), kinematics, value, rate, weights)
       gradient = 0.0_wp
       do p = 1, size(self%rates)
          do j = 1, self%rates(p)
             do m = 1, 3
                gradient(self%offsets(p) + j) = gradient(self%offsets(p) + j) &
-                  & + dot_product(weights(:, m), gauge_column(self%gauges(1), kinematics, m, p, j))
+                  & + dot_product(weights(:, m), function_column(self%functions(1), kinematics, m, p, j))
             end do
          end do
       end do
       do j = 1, size(gradient)
          stiffness(:, j) = stiffness(:, j) + self%stiffness*gradient(j)*gradient
       end do
-   end subroutine effort_add_elasticity
+   end subroutine element_add_elasticity
 
    !> Derivative of the force by one coordinate and by its rate.
    pure subroutine along_coordinate(self, kinematics, weights, push, by_value, by_rate, part, j, slope, drag)
       class(force_element_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
-      real(wp), intent(in) :: weights(2, 3, max_gauges), push(2, 3, max_gauges), by_value(max_gauges), by_rate(max_gauges)
+      real(wp), intent(in) :: weights(2, 3, max_scalars), push(2, 3, max_scalars), by_value(max_scalars), by_rate(max_scalars)
       integer, intent(in) :: part, j
       real(wp), intent(out) :: slope, drag
       real(wp) :: by_place, drift
       integer :: k
       slope = 0.0_wp
       drag = 0.0_wp
-      do k = 1, size(self%gauges)
-         call gauge_drift(self%gauges(k), kinematics, weights(:, :, k), push(:, :, k), part, j, by_place, drift)
+      do k = 1, size(self%functions)
+         call function_drift(self%functions(k), kinematics, weights(:, :, k), push(:, :, k), part, j, by_place, drift)
          slope = slope + by_value(k)*by_place + by_rate(k)*drift
          drag = drag + by_rate(k)*by_place
       end do
    end subroutine along_coordinate
 
-   !> Derivatives of the force by the values and rates of all gauges; weights of these, their curvature times velocities, and the
-   !> curvature of the first.
-   pure subroutine force_derivatives(self, kinematics, weights, push, by_value, by_rate, curvature)
+   !> Derivatives of the force by the values and rates of all functions; weights of these, their second derivatives
+   !> times velocities, and the second derivatives of the first.
+   pure subroutine force_derivatives(self, kinematics, weights, push, by_value, by_rate, h)
       class(force_element_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
-      real(wp), intent(out) :: weights(2, 3, max_gauges), push(2, 3, max_gauges), by_value(max_gauges), by_rate(max_gauges)
-      real(wp), intent(out) :: curvature(2, 3, 2, 3)
+      real(wp), intent(out) :: weights(2, 3, max_scalars), push(2, 3, max_scalars), by_value(max_scalars), by_rate(max_scalars)
+      real(wp), intent(out) :: h(2, 3, 2, 3)
       type(jet_type) :: line(max_slots), jet
       real(wp) :: values(max_slots)
       integer :: k, m, n
@@ -272,12 +270,12 @@ contains
       end do
       if (self%potential .and. kinematics%span > 0.0_wp) call end_slope(self, kinematics, by_value)
       push = 0.0_wp
-      do k = size(self%gauges), 1, -1
-         call gauge_curvature(self%gauges(k), kinematics, curvature)
+      do k = size(self%functions), 1, -1
+         call function_hessian(self%functions(k), kinematics, h)
          do n = 1, 3
-            if (self%gauges(k)%markers(n) == 0) cycle
+            if (self%functions(k)%markers(n) == 0) cycle
             do m = 1, 3
-               push(:, m, k) = push(:, m, k) + times(curvature, m, n, kinematics%markers(self%gauges(k)%markers(n))%velocity)
+               push(:, m, k) = push(:, m, k) + hessian_times(h, m, n, kinematics%markers(self%functions(k)%markers(n))%velocity)
             end do
          end do
       end do
@@ -288,11 +286,11 @@ contains
    pure subroutine end_slope(self, kinematics, by_value)
       class(force_element_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
-      !> Derivatives by the gauges; left as they are where the step is too short
+      !> Derivatives by the functions; left as they are where the step is too short
       real(wp), intent(inout) :: by_value(:)
       real(wp), parameter :: short = 1.0e-6_wp
       real(wp) :: ends(2), values(max_slots)
-      call gauge_ends(self%gauges(1), kinematics, ends(1), ends(2))
+      call function_ends(self%functions(1), kinematics, ends(1), ends(2))
       if (abs(ends(2) - ends(1)) <= short*maxval(abs(ends))) return
       values(:size(self%sign)) = self%sign*ends(2) + self%shift
       by_value = 0.0_wp
@@ -300,64 +298,54 @@ contains
          & ends(1), ends(2)))/(ends(2) - ends(1)) - self%stiffness
    end subroutine end_slope
 
-   !> A block of a curvature times a vector.
-   pure function times(curvature, m, n, vector) result(product)
-      real(wp), intent(in) :: curvature(2, 3, 2, 3)
-      !> Markers
-      integer, intent(in) :: m, n
-      real(wp), intent(in) :: vector(2)
-      real(wp) :: product(2)
-      product = curvature(:, m, 1, n)*vector(1) + curvature(:, m, 2, n)*vector(2)
-   end function times
-
-   pure subroutine effort_add_energy(self, kinematics, sum)
+   pure subroutine element_add_energy(self, kinematics, sum)
       class(force_element_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
       real(wp), intent(inout) :: sum
       real(wp) :: value, rate, weights(2, 3)
       if (.not. (self%stores .or. self%stiffness > 0.0_wp)) return
-      call read_gauge(self%gauges(1), kinematics, value, rate, weights)
+      call read_function(self%functions(1), kinematics, value, rate, weights)
       sum = sum + 0.5_wp*self%stiffness*value**2
       if (self%stores) sum = sum - self%factor*(value - self%origin)*mean_law(self%law, self%sign, self%shift, self%origin, &
          & value)
-   end subroutine effort_add_energy
+   end subroutine element_add_energy
 
    !> The energy of a law is its integral from zero, or from the first value where that does not exist, as of 1/s.
-   pure subroutine effort_begin_energy(self, kinematics)
+   pure subroutine element_begin_energy(self, kinematics)
       class(force_element_type), intent(inout) :: self
       type(kinematics_type), intent(in) :: kinematics
       !> Part of the integral in intervals that could not be made small enough
       real(wp), parameter :: nothing = 1.0e-9_wp
       real(wp) :: value, rate, weights(2, 3), mean, open
       if (.not. self%stores) return
-      call read_gauge(self%gauges(1), kinematics, value, rate, weights)
+      call read_function(self%functions(1), kinematics, value, rate, weights)
       call find_mean(self%law, self%sign, self%shift, 0.0_wp, value, mean, open)
       self%origin = merge(0.0_wp, value, open <= nothing*min(abs(mean), huge(mean)))
-   end subroutine effort_begin_energy
+   end subroutine element_begin_energy
 
    !> All but what comes from the energy.
-   pure subroutine effort_add_power(self, kinematics, sum)
+   pure subroutine element_add_power(self, kinematics, sum)
       class(force_element_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
       real(wp), intent(inout) :: sum
       real(wp) :: value, rate, push, weights(2, 3)
       if (.not. self%powered) return
-      call self%measure(kinematics, value, rate, push, weights)
+      call self%force_along(kinematics, value, rate, push, weights)
       if (self%stores) then
          sum = sum - self%damping*rate**2
       else
          sum = sum + (push + self%stiffness*value)*rate
       end if
-   end subroutine effort_add_power
+   end subroutine element_add_power
 
    !> Of all that is neither linear in s nor a law of it alone: these the step has exactly.
-   pure subroutine effort_add_missed_power(self, mean, now, sum)
+   pure subroutine element_add_missed_power(self, mean, now, sum)
       class(force_element_type), intent(in) :: self
       type(kinematics_type), intent(in) :: mean, now
       real(wp), intent(inout) :: sum
       real(wp) :: value, rate, push, weights(2, 3), value_now, rate_now, push_now
-      call self%measure(mean, value, rate, push, weights)
-      call self%measure(now, value_now, rate_now, push_now, weights)
+      call self%force_along(mean, value, rate, push, weights)
+      call self%force_along(now, value_now, rate_now, push_now, weights)
       if (self%potential) then
          sum = sum - self%damping*(rate_now - rate)*rate_now
       else if (self%follower) then
@@ -365,7 +353,7 @@ contains
       else
          sum = sum + (push_now + self%stiffness*value_now - push - self%stiffness*value)*rate_now
       end if
-   end subroutine effort_add_missed_power
+   end subroutine element_add_missed_power
 
    !> Mean of a law of one variable between two values of it: its antiderivative's difference over theirs, by Gauss's formula on
    !> intervals that are halved until both halves agree with the whole, and the law takes the same branches at both ends: a stop

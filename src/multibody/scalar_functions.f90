@@ -1,0 +1,455 @@
+!> Scalar functions of the motion: lengths, angles and coordinates of points and directions. Constraints, loads and laws are made of
+!> them. Each has a value, a rate, first and second derivatives by the positions of its markers. Over a step the first derivatives
+!> are such that their sum with the increments of the markers is the change of the value, exactly. A load also asks for the
+!> derivatives by the coordinates of its bodies. Floor: multibody. Source: doc/theory, eqs. (3.8), (3.9), (3.14), (3.17),
+!> (3.31)-(3.33).
+module limber_multibody_scalar_functions
+   use limber_base_kinds, only: wp
+   use limber_multibody_kinematics, only: kinematics_type
+   use limber_multibody_markers, only: marker_column, drift_column, vector_angle_gradient, vector_angle_hessian
+   use limber_multibody_plane_vectors, only: turn, cross
+   implicit none
+   private
+   public :: scalar_function_type, compare_functions
+   public :: function_value, read_function, read_gap, function_weights, function_ends, function_hessian, hessian_times
+   public :: function_column, function_drift
+
+   !> Of the vectors v1, v2, v3, points or directions: the component axis.(v1 - v2) along a fixed axis; the coordinate (v1 - v2).v3
+   !> along a direction; the product v1 x v2 of directions; the distance |v1 - v2|; the angle of v1 - v2, and the angle of the
+   !> direction v1 less that of v2, both followed over turns; (v1 x v2)(v2.v2 - v1.v1), the cube of the slope of a section whose
+   !> direction is v2 in the frame of direction v1
+   integer, parameter, public :: scalar_component = 1, scalar_along = 2, scalar_cross = 3, scalar_distance = 4, scalar_angle = 5, &
+      & scalar_turn = 6, scalar_slope = 7
+
+   !> A scalar function of the motion
+   type :: scalar_function_type
+      !> One of the kinds
+      integer :: kind = 0
+      !> Markers of v1, v2, v3; 0: none, which counts as zero
+      integer :: markers(3) = 0
+      !> Of a constraint: which of its vectors these are; of a load: which of its bodies they are on. 0: none
+      integer :: vectors(3) = 0, parts(3) = 0
+      !> Of angles: the followed angle of v1 - v2, or those of v1 and v2; 0: none, which counts as zero
+      integer :: angles(2) = 0
+      !> Of a component: unit vector along the axis
+      real(wp) :: axis(2) = 0.0_wp
+      !> Of a coordinate along a direction: whether v3 counts as a unit vector, whatever deflections stretch it by
+      logical :: unit = .false.
+      !> Of a distance: what is added to it at right angles, so that it has derivatives where the points meet [length]
+      real(wp) :: softening = 0.0_wp
+      !> What is subtracted: a free length or angle
+      real(wp) :: origin = 0.0_wp
+   end type scalar_function_type
+
+contains
+
+   !> Value at an instant; kinematics are placed.
+   pure real(wp) function function_value(scalar, kinematics) result(value)
+      type(scalar_function_type), intent(in) :: scalar
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp) :: v(2, 3), w(2, 3)
+      if (is_angle(scalar)) then
+         value = angle_value(scalar, kinematics)
+      else
+         call fetch(scalar, kinematics, v, w)
+         value = value_at(scalar, v)
+      end if
+   end function function_value
+
+   !> Value and rate; over a step the mean of the values at both ends, and the increment over the span.
+   pure subroutine read_function(scalar, kinematics, value, rate, weights)
+      type(scalar_function_type), intent(in) :: scalar
+      !> Placed and moved
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp), intent(out) :: value, rate
+      !> Derivatives by the positions of the markers (2, 3)
+      real(wp), intent(out) :: weights(2, 3)
+      real(wp) :: v(2, 3), w(2, 3)
+      call fetch(scalar, kinematics, v, w)
+      call find_weights(scalar, v, w, kinematics%span, weights)
+      rate = rate_of(weights, w)
+      if (is_angle(scalar)) then
+         value = angle_value(scalar, kinematics)
+      else if (kinematics%span > 0.0_wp) then
+         w = 0.5_wp*kinematics%span*w
+         value = 0.5_wp*(value_at(scalar, v - w) + value_at(scalar, v + w))
+      else
+         value = value_at(scalar, v)
+      end if
+   end subroutine read_function
+
+   !> Derivatives by the positions of the markers (2, 3).
+   pure subroutine function_weights(scalar, kinematics, weights)
+      type(scalar_function_type), intent(in) :: scalar
+      !> Placed; of a step also moved
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp), intent(out) :: weights(2, 3)
+      real(wp) :: v(2, 3), w(2, 3)
+      call fetch(scalar, kinematics, v, w)
+      call find_weights(scalar, v, w, kinematics%span, weights)
+   end subroutine function_weights
+
+   !> Values at the start and the end of a step; at an instant both are the value.
+   pure subroutine function_ends(scalar, kinematics, start, end)
+      type(scalar_function_type), intent(in) :: scalar
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp), intent(out) :: start, end
+      real(wp) :: v(2, 3), w(2, 3), weights(2, 3), half
+      call fetch(scalar, kinematics, v, w)
+      if (is_angle(scalar)) then
+         call find_weights(scalar, v, w, kinematics%span, weights)
+         half = 0.5_wp*kinematics%span*rate_of(weights, w)
+         end = angle_value(scalar, kinematics) + half
+         start = angle_value(scalar, kinematics) - half
+      else
+         w = 0.5_wp*kinematics%span*w
+         start = value_at(scalar, v - w)
+         end = value_at(scalar, v + w)
+      end if
+   end subroutine function_ends
+
+   !> Second derivatives by the positions of the markers (2, 3, 2, 3), at an instant; over a step those of the mean.
+   pure subroutine function_hessian(scalar, kinematics, h)
+      type(scalar_function_type), intent(in) :: scalar
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp), intent(out) :: h(2, 3, 2, 3)
+      real(wp) :: v(2, 3), w(2, 3), length
+      h = 0.0_wp
+      if (scalar%kind == scalar_component) return
+      call fetch(scalar, kinematics, v, w)
+      select case (scalar%kind)
+      case (scalar_along)
+         length = 1.0_wp
+         if (scalar%unit) length = length_of(v(:, 3), 0.0_wp)
+         h(1, 1, 1, 3) = 1.0_wp
+         h(2, 1, 2, 3) = 1.0_wp
+         if (scalar%unit) h(:, 1, :, 3) = across(v(:, 3), length)
+         h(:, 2, :, 3) = -h(:, 1, :, 3)
+         h(:, 3, :, 1) = h(:, 1, :, 3)
+         h(:, 3, :, 2) = -h(:, 1, :, 3)
+         if (scalar%unit) h(:, 3, :, 3) = stretching(v(:, 1) - v(:, 2), v(:, 3)/length)/length**2
+      case (scalar_cross)
+         call add_cross(1.0_wp, h)
+      case (scalar_distance)
+         call spread_block(across(v(:, 1) - v(:, 2), length_of(v(:, 1) - v(:, 2), scalar%softening)), h)
+      case (scalar_angle)
+         call spread_block(vector_angle_hessian(v(:, 1) - v(:, 2)), h)
+      case (scalar_turn)
+         if (scalar%angles(1) > 0) h(:, 1, :, 1) = vector_angle_hessian(v(:, 1))
+         if (scalar%angles(2) > 0) h(:, 2, :, 2) = -vector_angle_hessian(v(:, 2))
+      case (scalar_slope)
+         call slope_hessian(v, h)
+      end select
+   end subroutine function_hessian
+
+   !> A block of second derivatives times a vector: the change of the weight of one marker by the movement of another.
+   pure function hessian_times(h, m, n, vector) result(product)
+      real(wp), intent(in) :: h(2, 3, 2, 3)
+      !> Markers of the function
+      integer, intent(in) :: m, n
+      real(wp), intent(in) :: vector(2)
+      real(wp) :: product(2)
+      product = h(:, m, 1, n)*vector(1) + h(:, m, 2, n)*vector(2)
+   end function hessian_times
+
+   !> The vector v1 - v2 and its rate, at an instant.
+   pure subroutine read_gap(scalar, kinematics, gap, rate)
+      type(scalar_function_type), intent(in) :: scalar
+      !> Placed and moved
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp), intent(out) :: gap(2), rate(2)
+      real(wp) :: v(2, 3), w(2, 3)
+      call fetch(scalar, kinematics, v, w)
+      gap = v(:, 1) - v(:, 2)
+      rate = w(:, 1) - w(:, 2)
+   end subroutine read_gap
+
+   !> Whether a function is sign times another, plus a shift, in every position.
+   pure subroutine compare_functions(one, other, sign, shift, alike)
+      type(scalar_function_type), intent(in) :: one, other
+      !> other = sign one + shift
+      real(wp), intent(out) :: sign, shift
+      logical, intent(out) :: alike
+      logical :: same, swapped
+      sign = 0.0_wp
+      shift = 0.0_wp
+      alike = one%kind == other%kind .and. (one%unit .eqv. other%unit)
+      if (.not. alike) return
+      same = all(one%markers == other%markers)
+      swapped = all(one%markers(1:2) == other%markers(2:1:-1))
+      select case (one%kind)
+      case (scalar_turn)
+         same = all(one%angles == other%angles)
+         swapped = all(one%angles == other%angles(2:1:-1))
+         sign = merge(1.0_wp, merge(-1.0_wp, 0.0_wp, swapped), same)
+      case (scalar_component)
+         if (same .or. swapped) sign = dot_product(one%axis, other%axis)*merge(1.0_wp, -1.0_wp, same)
+         if (abs(abs(sign) - 1) > 4*epsilon(sign)) sign = 0.0_wp
+         sign = anint(sign)
+      case (scalar_distance)
+         if (same .or. swapped) sign = 1.0_wp
+      case default
+         if (same) sign = 1.0_wp
+      end select
+      alike = abs(sign) > 0.0_wp
+      shift = sign*one%origin - other%origin
+   end subroutine compare_functions
+
+   !> Derivative of a marker's position by one of the stacked coordinates of a load's bodies (2).
+   pure function function_column(scalar, kinematics, m, part, j) result(column)
+      type(scalar_function_type), intent(in) :: scalar
+      type(kinematics_type), intent(in) :: kinematics
+      !> Which marker of the function
+      integer, intent(in) :: m
+      !> Which of the load's bodies, and which of its coordinates
+      integer, intent(in) :: part, j
+      real(wp) :: column(2)
+      column = 0.0_wp
+      if (scalar%parts(m) == part .and. part > 0) column = marker_column(kinematics%markers(scalar%markers(m)), j)
+   end function function_column
+
+   !> Derivative of a function and of its rate by one of the stacked coordinates of a load's bodies.
+   pure subroutine function_drift(scalar, kinematics, weights, push, part, j, by_place, drift)
+      type(scalar_function_type), intent(in) :: scalar
+      type(kinematics_type), intent(in) :: kinematics
+      !> Weights, and second derivatives times velocities (2, 3)
+      real(wp), intent(in) :: weights(2, 3), push(2, 3)
+      integer, intent(in) :: part, j
+      real(wp), intent(out) :: by_place, drift
+      real(wp) :: column(2)
+      integer :: m
+      by_place = 0.0_wp
+      drift = 0.0_wp
+      if (part == 0) return
+      do m = 1, 3
+         if (scalar%parts(m) /= part) cycle
+         column = marker_column(kinematics%markers(scalar%markers(m)), j)
+         by_place = by_place + dot_product(weights(:, m), column)
+         drift = drift + dot_product(push(:, m), column) &
+            & + dot_product(weights(:, m), drift_column(kinematics, scalar%markers(m), j))
+      end do
+   end subroutine function_drift
+
+   !> The vectors and their velocities, zero where there is none; over a step their means, and increments over the span.
+   pure subroutine fetch(scalar, kinematics, v, w)
+      type(scalar_function_type), intent(in) :: scalar
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp), intent(out) :: v(2, 3), w(2, 3)
+      integer :: m
+      v = 0.0_wp
+      w = 0.0_wp
+      do m = 1, 3
+         if (scalar%markers(m) == 0) cycle
+         v(:, m) = kinematics%markers(scalar%markers(m))%position
+         w(:, m) = kinematics%markers(scalar%markers(m))%velocity
+      end do
+   end subroutine fetch
+
+   !> Whether the value is one of followed angles, with turns that the vectors do not tell.
+   pure logical function is_angle(scalar)
+      type(scalar_function_type), intent(in) :: scalar
+      is_angle = scalar%kind == scalar_angle .or. scalar%kind == scalar_turn
+   end function is_angle
+
+   !> Value of followed angles; over a step they are means.
+   pure real(wp) function angle_value(scalar, kinematics) result(value)
+      type(scalar_function_type), intent(in) :: scalar
+      type(kinematics_type), intent(in) :: kinematics
+      value = -scalar%origin
+      if (scalar%angles(1) > 0) value = value + kinematics%angles(scalar%angles(1))%value
+      if (scalar%angles(2) > 0) value = value - kinematics%angles(scalar%angles(2))%value
+   end function angle_value
+
+   !> Value at given vectors; not of angles.
+   pure real(wp) function value_at(scalar, v) result(value)
+      type(scalar_function_type), intent(in) :: scalar
+      real(wp), intent(in) :: v(2, 3)
+      select case (scalar%kind)
+      case (scalar_component)
+         value = dot_product(scalar%axis, v(:, 1) - v(:, 2))
+      case (scalar_along)
+         value = dot_product(v(:, 1) - v(:, 2), v(:, 3))
+         if (scalar%unit) value = value/length_of(v(:, 3), 0.0_wp)
+      case (scalar_cross)
+         value = cross(v(:, 1), v(:, 2))
+      case (scalar_distance)
+         value = length_of(v(:, 1) - v(:, 2), scalar%softening)
+      case default
+         value = cross(v(:, 1), v(:, 2))*excess(v(:, 1), v(:, 2))
+      end select
+      value = value - scalar%origin
+   end function value_at
+
+   !> Derivatives by the vectors. Over a step, with means of the vectors, those that give the change exactly.
+   pure subroutine find_weights(scalar, v, w, span, weights)
+      type(scalar_function_type), intent(in) :: scalar
+      !> Vectors and their velocities (2, 3)
+      real(wp), intent(in) :: v(2, 3), w(2, 3)
+      !> Length of the step; 0: an instant
+      real(wp), intent(in) :: span
+      real(wp), intent(out) :: weights(2, 3)
+      weights = 0.0_wp
+      select case (scalar%kind)
+      case (scalar_component)
+         weights(:, 1) = scalar%axis
+         weights(:, 2) = -scalar%axis
+      case (scalar_along)
+         weights(:, 1) = v(:, 3)
+         weights(:, 2) = -v(:, 3)
+         weights(:, 3) = v(:, 1) - v(:, 2)
+         if (scalar%unit) call divide_along(v, w, span, weights)
+      case (scalar_cross)
+         weights(:, 1) = -turn(v(:, 2))
+         weights(:, 2) = turn(v(:, 1))
+      case (scalar_distance)
+         weights(:, 1) = (v(:, 1) - v(:, 2))/mean_length(v(:, 1) - v(:, 2), w(:, 1) - w(:, 2), span, scalar%softening)
+         weights(:, 2) = -weights(:, 1)
+      case (scalar_angle)
+         weights(:, 1) = vector_angle_gradient(v(:, 1) - v(:, 2), w(:, 1) - w(:, 2), span)
+         weights(:, 2) = -weights(:, 1)
+      case (scalar_turn)
+         if (scalar%angles(1) > 0) weights(:, 1) = vector_angle_gradient(v(:, 1), w(:, 1), span)
+         if (scalar%angles(2) > 0) weights(:, 2) = -vector_angle_gradient(v(:, 2), w(:, 2), span)
+      case (scalar_slope)
+         call slope_weights(v, w, span, weights)
+      end select
+   end subroutine find_weights
+
+   !> Sum of weights and velocities.
+   pure real(wp) function rate_of(weights, w) result(rate)
+      real(wp), intent(in) :: weights(2, 3), w(2, 3)
+      rate = dot_product(weights(:, 1), w(:, 1)) + dot_product(weights(:, 2), w(:, 2)) + dot_product(weights(:, 3), w(:, 3))
+   end function rate_of
+
+   !> Weights of a coordinate along v3/|v3| from those along v3; over a step eq. (3.33).
+   pure subroutine divide_along(v, w, span, weights)
+      real(wp), intent(in) :: v(2, 3), w(2, 3), span
+      real(wp), intent(inout) :: weights(2, 3)
+      real(wp) :: a(2, 3), b(2, 3), start, end, factor, cube
+      if (span > 0.0_wp) then
+         a = v - 0.5_wp*span*w
+         b = v + 0.5_wp*span*w
+         start = length_of(a(:, 3), 0.0_wp)
+         end = length_of(b(:, 3), 0.0_wp)
+         factor = 0.5_wp*(1/start + 1/end)
+         cube = (dot_product(a(:, 1) - a(:, 2), a(:, 3)) + dot_product(b(:, 1) - b(:, 2), b(:, 3)))/(start*end*(start + end))
+      else
+         factor = 1/length_of(v(:, 3), 0.0_wp)
+         cube = dot_product(v(:, 1) - v(:, 2), v(:, 3))*factor**3
+      end if
+      weights = factor*weights
+      weights(:, 3) = weights(:, 3) - cube*v(:, 3)
+   end subroutine divide_along
+
+   !> Weights of (v1 x v2)(v2.v2 - v1.v1). Over a step the mean of one factor times the change of the other, both ways.
+   pure subroutine slope_weights(v, w, span, weights)
+      real(wp), intent(in) :: v(2, 3), w(2, 3), span
+      real(wp), intent(inout) :: weights(2, 3)
+      real(wp) :: a(2, 3), b(2, 3), turned, longer
+      if (span > 0.0_wp) then
+         a = v - 0.5_wp*span*w
+         b = v + 0.5_wp*span*w
+         turned = 0.5_wp*(cross(a(:, 1), a(:, 2)) + cross(b(:, 1), b(:, 2)))
+         longer = 0.5_wp*(excess(a(:, 1), a(:, 2)) + excess(b(:, 1), b(:, 2)))
+      else
+         turned = cross(v(:, 1), v(:, 2))
+         longer = excess(v(:, 1), v(:, 2))
+      end if
+      weights(:, 1) = -longer*turn(v(:, 2)) - 2*turned*v(:, 1)
+      weights(:, 2) = longer*turn(v(:, 1)) + 2*turned*v(:, 2)
+   end subroutine slope_weights
+
+   !> Second derivatives of the same product.
+   pure subroutine slope_hessian(v, h)
+      real(wp), intent(in) :: v(2, 3)
+      !> Zero on entry
+      real(wp), intent(inout) :: h(2, 3, 2, 3)
+      real(wp) :: turning(2, 2), lengthening(2, 2), sides(2)
+      integer :: i, j, m, n
+      turning(:, 1) = -turn(v(:, 2))
+      turning(:, 2) = turn(v(:, 1))
+      lengthening(:, 1) = -2*v(:, 1)
+      lengthening(:, 2) = 2*v(:, 2)
+      sides = [-2.0_wp, 2.0_wp]*cross(v(:, 1), v(:, 2))
+      do n = 1, 2
+         do j = 1, 2
+            do m = 1, 2
+               do i = 1, 2
+                  h(i, m, j, n) = turning(i, m)*lengthening(j, n) + lengthening(i, m)*turning(j, n)
+               end do
+            end do
+            h(j, n, j, n) = h(j, n, j, n) + sides(n)
+         end do
+      end do
+      call add_cross(excess(v(:, 1), v(:, 2)), h)
+   end subroutine slope_hessian
+
+   !> Adds a factor times the second derivatives of v1 x v2.
+   pure subroutine add_cross(factor, h)
+      real(wp), intent(in) :: factor
+      real(wp), intent(inout) :: h(2, 3, 2, 3)
+      h(1, 1, 2, 2) = h(1, 1, 2, 2) + factor
+      h(2, 2, 1, 1) = h(2, 2, 1, 1) + factor
+      h(2, 1, 1, 2) = h(2, 1, 1, 2) - factor
+      h(1, 2, 2, 1) = h(1, 2, 2, 1) - factor
+   end subroutine add_cross
+
+   !> Second derivatives by v1 and v2 of a function of v1 - v2, from those by this.
+   pure subroutine spread_block(block, h)
+      real(wp), intent(in) :: block(2, 2)
+      real(wp), intent(inout) :: h(2, 3, 2, 3)
+      h(:, 1, :, 1) = block
+      h(:, 2, :, 2) = block
+      h(:, 1, :, 2) = -block
+      h(:, 2, :, 1) = -block
+   end subroutine spread_block
+
+   !> sqrt(g.g + s^2).
+   pure real(wp) function length_of(g, s) result(length)
+      real(wp), intent(in) :: g(2), s
+      length = sqrt(dot_product(g, g) + s**2)
+   end function length_of
+
+   !> Length of a vector; over a step, of which the vector is the mean, the mean of those at both ends.
+   pure real(wp) function mean_length(g, rate, span, s) result(length)
+      real(wp), intent(in) :: g(2), rate(2), span, s
+      if (span > 0.0_wp) then
+         length = 0.5_wp*(length_of(g - 0.5_wp*span*rate, s) + length_of(g + 0.5_wp*span*rate, s))
+      else
+         length = length_of(g, s)
+      end if
+   end function mean_length
+
+   !> Square of the second vector less that of the first.
+   pure real(wp) function excess(a, b)
+      real(wp), intent(in) :: a(2), b(2)
+      excess = dot_product(b, b) - dot_product(a, a)
+   end function excess
+
+   !> (I - g g^T/l^2)/l.
+   pure function across(g, l) result(block)
+      real(wp), intent(in) :: g(2), l
+      real(wp) :: block(2, 2)
+      integer :: i, j
+      do j = 1, 2
+         do i = 1, 2
+            block(i, j) = -g(i)*g(j)/l**3
+         end do
+         block(j, j) = block(j, j) + 1/l
+      end do
+   end function across
+
+   !> 3 (e.g) e e^T - g e^T - e g^T - (e.g) I with the unit vector e.
+   pure function stretching(g, e) result(block)
+      real(wp), intent(in) :: g(2), e(2)
+      real(wp) :: block(2, 2)
+      integer :: i, j
+      do j = 1, 2
+         do i = 1, 2
+            block(i, j) = 3*dot_product(g, e)*e(i)*e(j) - g(i)*e(j) - e(i)*g(j)
+         end do
+         block(j, j) = block(j, j) - dot_product(g, e)
+      end do
+   end function stretching
+
+end module limber_multibody_scalar_functions

@@ -47,12 +47,12 @@ contains
    pure real(wp) function function_value(scalar, kinematics) result(value)
       type(scalar_function_type), intent(in) :: scalar
       type(kinematics_type), intent(in) :: kinematics
-      real(wp) :: v(2, 3), w(2, 3)
+      real(wp) :: v(2, 3), w(2, 3), weights(2, 3)
       if (is_angle(scalar)) then
          value = angle_value(scalar, kinematics)
       else
          call fetch(scalar, kinematics, v, w)
-         value = value_at(scalar, v)
+         call find_at(scalar, v, value, weights)
       end if
    end function function_value
 
@@ -64,18 +64,16 @@ contains
       real(wp), intent(out) :: value, rate
       !> Derivatives by the positions of the markers (2, 3)
       real(wp), intent(out) :: weights(2, 3)
-      real(wp) :: v(2, 3), w(2, 3)
+      real(wp) :: v(2, 3), w(2, 3), end
       call fetch(scalar, kinematics, v, w)
-      call find_weights(scalar, v, w, kinematics%span, weights)
-      rate = rate_of(weights, w)
-      if (is_angle(scalar)) then
-         value = angle_value(scalar, kinematics)
-      else if (kinematics%span > 0.0_wp) then
-         w = 0.5_wp*kinematics%span*w
-         value = 0.5_wp*(value_at(scalar, v - w) + value_at(scalar, v + w))
+      if (kinematics%span > 0.0_wp) then
+         call find_over(scalar, v, w, kinematics%span, value, end, weights)
+         value = 0.5_wp*(value + end)
       else
-         value = value_at(scalar, v)
+         call find_at(scalar, v, value, weights)
       end if
+      if (is_angle(scalar)) value = angle_value(scalar, kinematics)
+      rate = rate_of(weights, w)
    end subroutine read_function
 
    !> Derivatives by the positions of the markers (2, 3).
@@ -84,9 +82,13 @@ contains
       !> Placed; of a step also moved
       type(kinematics_type), intent(in) :: kinematics
       real(wp), intent(out) :: weights(2, 3)
-      real(wp) :: v(2, 3), w(2, 3)
+      real(wp) :: v(2, 3), w(2, 3), value, end
       call fetch(scalar, kinematics, v, w)
-      call find_weights(scalar, v, w, kinematics%span, weights)
+      if (kinematics%span > 0.0_wp .and. .not. is_quadratic(scalar)) then
+         call find_over(scalar, v, w, kinematics%span, value, end, weights)
+      else
+         call find_at(scalar, v, value, weights)
+      end if
    end subroutine function_weights
 
    !> Values at the start and the end of a step; at an instant both are the value.
@@ -96,16 +98,11 @@ contains
       real(wp), intent(out) :: start, end
       real(wp) :: v(2, 3), w(2, 3), weights(2, 3), half
       call fetch(scalar, kinematics, v, w)
-      if (is_angle(scalar)) then
-         call find_weights(scalar, v, w, kinematics%span, weights)
-         half = 0.5_wp*kinematics%span*rate_of(weights, w)
-         end = angle_value(scalar, kinematics) + half
-         start = angle_value(scalar, kinematics) - half
-      else
-         w = 0.5_wp*kinematics%span*w
-         start = value_at(scalar, v - w)
-         end = value_at(scalar, v + w)
-      end if
+      call find_over(scalar, v, w, kinematics%span, start, end, weights)
+      if (.not. is_angle(scalar)) return
+      half = 0.5_wp*kinematics%span*rate_of(weights, w)
+      start = angle_value(scalar, kinematics) - half
+      end = angle_value(scalar, kinematics) + half
    end subroutine function_ends
 
    !> Second derivatives by the positions of the markers (2, 3, 2, 3), at an instant; over a step those of the mean.
@@ -113,21 +110,22 @@ contains
       type(scalar_function_type), intent(in) :: scalar
       type(kinematics_type), intent(in) :: kinematics
       real(wp), intent(out) :: h(2, 3, 2, 3)
-      real(wp) :: v(2, 3), w(2, 3), length
+      real(wp) :: v(2, 3), w(2, 3), block(2, 2), length
       h = 0.0_wp
       if (scalar%kind == scalar_component) return
       call fetch(scalar, kinematics, v, w)
       select case (scalar%kind)
       case (scalar_along)
-         length = 1.0_wp
-         if (scalar%unit) length = length_of(v(:, 3), 0.0_wp)
-         h(1, 1, 1, 3) = 1.0_wp
-         h(2, 1, 2, 3) = 1.0_wp
-         if (scalar%unit) h(:, 1, :, 3) = across(v(:, 3), length)
-         h(:, 2, :, 3) = -h(:, 1, :, 3)
-         h(:, 3, :, 1) = h(:, 1, :, 3)
-         h(:, 3, :, 2) = -h(:, 1, :, 3)
-         if (scalar%unit) h(:, 3, :, 3) = stretching(v(:, 1) - v(:, 2), v(:, 3)/length)/length**2
+         block = reshape([1.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [2, 2])
+         if (scalar%unit) then
+            length = length_of(v(:, 3), 0.0_wp)
+            block = across(v(:, 3), length)
+            h(:, 3, :, 3) = stretching(v(:, 1) - v(:, 2), v(:, 3)/length)/length**2
+         end if
+         h(:, 1, :, 3) = block
+         h(:, 2, :, 3) = -block
+         h(:, 3, :, 1) = block
+         h(:, 3, :, 2) = -block
       case (scalar_cross)
          call add_cross(1.0_wp, h)
       case (scalar_distance)
@@ -236,12 +234,14 @@ contains
       type(kinematics_type), intent(in) :: kinematics
       real(wp), intent(out) :: v(2, 3), w(2, 3)
       integer :: m
-      v = 0.0_wp
-      w = 0.0_wp
       do m = 1, 3
-         if (scalar%markers(m) == 0) cycle
-         v(:, m) = kinematics%markers(scalar%markers(m))%position
-         w(:, m) = kinematics%markers(scalar%markers(m))%velocity
+         if (scalar%markers(m) > 0) then
+            v(:, m) = kinematics%markers(scalar%markers(m))%position
+            w(:, m) = kinematics%markers(scalar%markers(m))%velocity
+         else
+            v(:, m) = 0.0_wp
+            w(:, m) = 0.0_wp
+         end if
       end do
    end subroutine fetch
 
@@ -250,6 +250,13 @@ contains
       type(scalar_function_type), intent(in) :: scalar
       is_angle = scalar%kind == scalar_angle .or. scalar%kind == scalar_turn
    end function is_angle
+
+   !> Whether the function is at most quadratic in the vectors: its derivatives at their means give its change.
+   pure logical function is_quadratic(scalar)
+      type(scalar_function_type), intent(in) :: scalar
+      is_quadratic = scalar%kind == scalar_component .or. scalar%kind == scalar_cross &
+         & .or. (scalar%kind == scalar_along .and. .not. scalar%unit)
+   end function is_quadratic
 
    !> Value of followed angles; over a step they are means.
    pure real(wp) function angle_value(scalar, kinematics) result(value)
@@ -260,60 +267,78 @@ contains
       if (scalar%angles(2) > 0) value = value - kinematics%angles(scalar%angles(2))%value
    end function angle_value
 
-   !> Value at given vectors; not of angles.
-   pure real(wp) function value_at(scalar, v) result(value)
+   !> Value, not of angles, and derivatives at given vectors.
+   pure subroutine find_at(scalar, v, value, weights)
       type(scalar_function_type), intent(in) :: scalar
       real(wp), intent(in) :: v(2, 3)
-      select case (scalar%kind)
-      case (scalar_component)
-         value = dot_product(scalar%axis, v(:, 1) - v(:, 2))
-      case (scalar_along)
-         value = dot_product(v(:, 1) - v(:, 2), v(:, 3))
-         if (scalar%unit) value = value/length_of(v(:, 3), 0.0_wp)
-      case (scalar_cross)
-         value = cross(v(:, 1), v(:, 2))
-      case (scalar_distance)
-         value = length_of(v(:, 1) - v(:, 2), scalar%softening)
-      case default
-         value = cross(v(:, 1), v(:, 2))*excess(v(:, 1), v(:, 2))
-      end select
-      value = value - scalar%origin
-   end function value_at
-
-   !> Derivatives by the vectors. Over a step, with means of the vectors, those that give the change exactly.
-   pure subroutine find_weights(scalar, v, w, span, weights)
-      type(scalar_function_type), intent(in) :: scalar
-      !> Vectors and their velocities (2, 3)
-      real(wp), intent(in) :: v(2, 3), w(2, 3)
-      !> Length of the step; 0: an instant
-      real(wp), intent(in) :: span
-      real(wp), intent(out) :: weights(2, 3)
+      real(wp), intent(out) :: value, weights(2, 3)
+      real(wp) :: gap(2), length
+      gap = v(:, 1) - v(:, 2)
+      value = 0.0_wp
       weights = 0.0_wp
       select case (scalar%kind)
       case (scalar_component)
+         value = dot_product(scalar%axis, gap)
          weights(:, 1) = scalar%axis
          weights(:, 2) = -scalar%axis
       case (scalar_along)
-         weights(:, 1) = v(:, 3)
-         weights(:, 2) = -v(:, 3)
-         weights(:, 3) = v(:, 1) - v(:, 2)
-         if (scalar%unit) call divide_along(v, w, span, weights)
+         length = 1.0_wp
+         if (scalar%unit) length = length_of(v(:, 3), 0.0_wp)
+         value = dot_product(gap, v(:, 3))/length
+         weights(:, 1) = v(:, 3)/length
+         weights(:, 2) = -weights(:, 1)
+         weights(:, 3) = gap/length
+         if (scalar%unit) weights(:, 3) = weights(:, 3) - value/length*weights(:, 1)
       case (scalar_cross)
+         value = cross(v(:, 1), v(:, 2))
          weights(:, 1) = -turn(v(:, 2))
          weights(:, 2) = turn(v(:, 1))
       case (scalar_distance)
-         weights(:, 1) = (v(:, 1) - v(:, 2))/mean_length(v(:, 1) - v(:, 2), w(:, 1) - w(:, 2), span, scalar%softening)
+         value = length_of(gap, scalar%softening)
+         weights(:, 1) = gap/value
          weights(:, 2) = -weights(:, 1)
-      case (scalar_angle)
-         weights(:, 1) = vector_angle_gradient(v(:, 1) - v(:, 2), w(:, 1) - w(:, 2), span)
-         weights(:, 2) = -weights(:, 1)
-      case (scalar_turn)
-         if (scalar%angles(1) > 0) weights(:, 1) = vector_angle_gradient(v(:, 1), w(:, 1), span)
-         if (scalar%angles(2) > 0) weights(:, 2) = -vector_angle_gradient(v(:, 2), w(:, 2), span)
+      case (scalar_angle, scalar_turn)
+         call angle_weights(scalar, v, v, 0.0_wp, weights)
       case (scalar_slope)
-         call slope_weights(v, w, span, weights)
+         value = cross(v(:, 1), v(:, 2))*excess(v(:, 1), v(:, 2))
+         call slope_weights(v, cross(v(:, 1), v(:, 2)), excess(v(:, 1), v(:, 2)), weights)
       end select
-   end subroutine find_weights
+      value = value - scalar%origin
+   end subroutine find_at
+
+   !> Values, not of angles, at the start and the end of a step, and the derivatives that give the change exactly.
+   pure subroutine find_over(scalar, v, w, span, start, end, weights)
+      type(scalar_function_type), intent(in) :: scalar
+      !> Means of the vectors, their increments over the span (2, 3), and its length; 0: an instant
+      real(wp), intent(in) :: v(2, 3), w(2, 3), span
+      real(wp), intent(out) :: start, end, weights(2, 3)
+      real(wp) :: a(2, 3), b(2, 3)
+      if (is_angle(scalar)) then
+         start = 0.0_wp
+         end = 0.0_wp
+         weights = 0.0_wp
+         call angle_weights(scalar, v, w, span, weights)
+         return
+      end if
+      a = v - 0.5_wp*span*w
+      b = v + 0.5_wp*span*w
+      call find_at(scalar, a, start, weights)
+      call find_at(scalar, b, end, weights)
+      select case (scalar%kind)
+      case (scalar_distance)
+         weights(:, 1) = (v(:, 1) - v(:, 2))/(0.5_wp*(start + end) + scalar%origin)
+         weights(:, 2) = -weights(:, 1)
+      case (scalar_along)
+         call along_weights(scalar, a, b, weights)
+      case (scalar_slope)
+         ! The mean of one factor times the change of the other, both ways
+         call slope_weights(v, 0.5_wp*(cross(a(:, 1), a(:, 2)) + cross(b(:, 1), b(:, 2))), &
+            & 0.5_wp*(excess(a(:, 1), a(:, 2)) + excess(b(:, 1), b(:, 2))), weights)
+      case (scalar_cross)
+         weights(:, 1) = -turn(v(:, 2))
+         weights(:, 2) = turn(v(:, 1))
+      end select
+   end subroutine find_over
 
    !> Sum of weights and velocities.
    pure real(wp) function rate_of(weights, w) result(rate)
@@ -321,45 +346,49 @@ contains
       rate = dot_product(weights(:, 1), w(:, 1)) + dot_product(weights(:, 2), w(:, 2)) + dot_product(weights(:, 3), w(:, 3))
    end function rate_of
 
-   !> Weights of a coordinate along v3/|v3| from those along v3; over a step eq. (3.33).
-   pure subroutine divide_along(v, w, span, weights)
-      real(wp), intent(in) :: v(2, 3), w(2, 3), span
-      real(wp), intent(inout) :: weights(2, 3)
-      real(wp) :: a(2, 3), b(2, 3), start, end, factor, cube
-      if (span > 0.0_wp) then
-         a = v - 0.5_wp*span*w
-         b = v + 0.5_wp*span*w
-         start = length_of(a(:, 3), 0.0_wp)
-         end = length_of(b(:, 3), 0.0_wp)
-         factor = 0.5_wp*(1/start + 1/end)
-         cube = (dot_product(a(:, 1) - a(:, 2), a(:, 3)) + dot_product(b(:, 1) - b(:, 2), b(:, 3)))/(start*end*(start + end))
-      else
-         factor = 1/length_of(v(:, 3), 0.0_wp)
-         cube = dot_product(v(:, 1) - v(:, 2), v(:, 3))*factor**3
-      end if
-      weights = factor*weights
-      weights(:, 3) = weights(:, 3) - cube*v(:, 3)
-   end subroutine divide_along
+   !> Weights of a coordinate along a direction over a step, eq. (3.33).
+   pure subroutine along_weights(scalar, a, b, weights)
+      type(scalar_function_type), intent(in) :: scalar
+      !> Vectors at the start and the end
+      real(wp), intent(in) :: a(2, 3), b(2, 3)
+      real(wp), intent(out) :: weights(2, 3)
+      real(wp) :: along(2), start, end, factor
+      along = 0.5_wp*(a(:, 3) + b(:, 3))
+      weights(:, 1) = along
+      weights(:, 2) = -along
+      weights(:, 3) = 0.5_wp*(a(:, 1) - a(:, 2) + b(:, 1) - b(:, 2))
+      if (.not. scalar%unit) return
+      start = length_of(a(:, 3), 0.0_wp)
+      end = length_of(b(:, 3), 0.0_wp)
+      factor = (dot_product(a(:, 1) - a(:, 2), a(:, 3)) + dot_product(b(:, 1) - b(:, 2), b(:, 3)))/(start*end*(start + end))
+      weights = 0.5_wp*(1/start + 1/end)*weights
+      weights(:, 3) = weights(:, 3) - factor*along
+   end subroutine along_weights
 
-   !> Weights of (v1 x v2)(v2.v2 - v1.v1). Over a step the mean of one factor times the change of the other, both ways.
-   pure subroutine slope_weights(v, w, span, weights)
+   !> Weights of angles, eqs. (3.8), (3.9).
+   pure subroutine angle_weights(scalar, v, w, span, weights)
+      type(scalar_function_type), intent(in) :: scalar
       real(wp), intent(in) :: v(2, 3), w(2, 3), span
+      !> Zero on entry where the function has no marker
       real(wp), intent(inout) :: weights(2, 3)
-      real(wp) :: a(2, 3), b(2, 3), turned, longer
-      if (span > 0.0_wp) then
-         a = v - 0.5_wp*span*w
-         b = v + 0.5_wp*span*w
-         turned = 0.5_wp*(cross(a(:, 1), a(:, 2)) + cross(b(:, 1), b(:, 2)))
-         longer = 0.5_wp*(excess(a(:, 1), a(:, 2)) + excess(b(:, 1), b(:, 2)))
+      if (scalar%kind == scalar_angle) then
+         weights(:, 1) = vector_angle_gradient(v(:, 1) - v(:, 2), w(:, 1) - w(:, 2), span)
+         weights(:, 2) = -weights(:, 1)
       else
-         turned = cross(v(:, 1), v(:, 2))
-         longer = excess(v(:, 1), v(:, 2))
+         if (scalar%angles(1) > 0) weights(:, 1) = vector_angle_gradient(v(:, 1), w(:, 1), span)
+         if (scalar%angles(2) > 0) weights(:, 2) = -vector_angle_gradient(v(:, 2), w(:, 2), span)
       end if
+   end subroutine angle_weights
+
+   !> Weights of (v1 x v2)(v2.v2 - v1.v1), with given values of both factors.
+   pure subroutine slope_weights(v, turned, longer, weights)
+      real(wp), intent(in) :: v(2, 3), turned, longer
+      real(wp), intent(inout) :: weights(2, 3)
       weights(:, 1) = -longer*turn(v(:, 2)) - 2*turned*v(:, 1)
       weights(:, 2) = longer*turn(v(:, 1)) + 2*turned*v(:, 2)
    end subroutine slope_weights
 
-   !> Second derivatives of the same product.
+   !> Second derivatives of (v1 x v2)(v2.v2 - v1.v1).
    pure subroutine slope_hessian(v, h)
       real(wp), intent(in) :: v(2, 3)
       !> Zero on entry
@@ -409,16 +438,6 @@ contains
       real(wp), intent(in) :: g(2), s
       length = sqrt(dot_product(g, g) + s**2)
    end function length_of
-
-   !> Length of a vector; over a step, of which the vector is the mean, the mean of those at both ends.
-   pure real(wp) function mean_length(g, rate, span, s) result(length)
-      real(wp), intent(in) :: g(2), rate(2), span, s
-      if (span > 0.0_wp) then
-         length = 0.5_wp*(length_of(g - 0.5_wp*span*rate, s) + length_of(g + 0.5_wp*span*rate, s))
-      else
-         length = length_of(g, s)
-      end if
-   end function mean_length
 
    !> Square of the second vector less that of the first.
    pure real(wp) function excess(a, b)

@@ -2,27 +2,22 @@
 !> functions and of time. Springs of any characteristic, actuators, bushings, friction, torques of sections and between bodies,
 !> follower forces and controllers are made of it. Floor: multibody. Source: doc/theory, eqs. (3.34)-(3.36).
 module limber_multibody_force_elements
-   use limber_base_kinds, only: wp, long
+   use limber_base_kinds, only: wp
    use limber_deck_expression, only: expression_type
    use limber_deck_operations, only: jet_type
    use limber_model_model, only: most_slots
    use limber_multibody_kinematics, only: kinematics_type
+   use limber_multibody_law_means, only: mean_law, find_law_mean
    use limber_multibody_load, only: load_type
-   use limber_multibody_markers, only: add_marker, marker_stiffness
+   use limber_multibody_markers, only: add_marker, marker_stiffness, marker_column, drift_column
    use limber_multibody_scalar_functions, only: scalar_function_type, scalar_distance, read_function, read_gap, function_ends, &
-      & function_hessian, hessian_times, function_column, function_drift
+      & function_hessian, hessian_times
    implicit none
    private
    public :: force_element_type, max_slots
 
    !> Most scalar functions of a load, and most things that its law depends on
    integer, parameter :: max_scalars = most_slots + 1, max_slots = most_slots
-   !> Gauss points and weights on -1..1, how often an interval is halved at most, and how many may be rough
-   real(wp), parameter :: gauss(5) = [-0.906179845938663993_wp, -0.538469310105683091_wp, 0.0_wp, 0.538469310105683091_wp, &
-      & 0.906179845938663993_wp]
-   real(wp), parameter :: gauss_weights(5) = [0.236926885056189088_wp, 0.478628670499366468_wp, 0.568888888888888889_wp, &
-      & 0.478628670499366468_wp, 0.236926885056189088_wp]
-   integer, parameter :: deepest = 40, most_rough = 64
 
    !> A force  f = -k s - c s' + factor law(s, s', other functions and rates, t)  along the first function s: the generalised forces
    !> are f times its gradient. A follower acts on the first marker only, along the direction.
@@ -32,8 +27,8 @@ module limber_multibody_force_elements
       logical :: follower = .false.
       !> k, c, and what the law is multiplied by
       real(wp) :: stiffness = 0.0_wp, damping = 0.0_wp, factor = 0.0_wp
-      !> Whether there is a law; whether it is a function of s alone, so that its work over a step follows from the ends; and whether
-      !> that counts as an energy that it stores
+      !> Whether there is a law; whether it is a function of s alone, so that its work over a step follows from the ends; and
+      !> whether that counts as an energy that it stores
       logical :: driven = .false., potential = .false., stores = .false.
       type(expression_type) :: law
       !> The value of s that the energy is counted from
@@ -298,6 +293,41 @@ contains
          & ends(1), ends(2)))/(ends(2) - ends(1)) - self%stiffness
    end subroutine end_slope
 
+   !> Derivative of a marker's position by one of the stacked coordinates of a load's bodies (2).
+   pure function function_column(scalar, kinematics, m, part, j) result(column)
+      type(scalar_function_type), intent(in) :: scalar
+      type(kinematics_type), intent(in) :: kinematics
+      !> Which marker of the function
+      integer, intent(in) :: m
+      !> Which of the load's bodies, and which of its coordinates
+      integer, intent(in) :: part, j
+      real(wp) :: column(2)
+      column = 0.0_wp
+      if (scalar%parts(m) == part .and. part > 0) column = marker_column(kinematics%markers(scalar%markers(m)), j)
+   end function function_column
+
+   !> Derivative of a function and of its rate by one of the stacked coordinates of a load's bodies.
+   pure subroutine function_drift(scalar, kinematics, weights, push, part, j, by_place, drift)
+      type(scalar_function_type), intent(in) :: scalar
+      type(kinematics_type), intent(in) :: kinematics
+      !> Weights, and second derivatives times velocities (2, 3)
+      real(wp), intent(in) :: weights(2, 3), push(2, 3)
+      integer, intent(in) :: part, j
+      real(wp), intent(out) :: by_place, drift
+      real(wp) :: column(2)
+      integer :: m
+      by_place = 0.0_wp
+      drift = 0.0_wp
+      if (part == 0) return
+      do m = 1, 3
+         if (scalar%parts(m) /= part) cycle
+         column = marker_column(kinematics%markers(scalar%markers(m)), j)
+         by_place = by_place + dot_product(weights(:, m), column)
+         drift = drift + dot_product(push(:, m), column) &
+            & + dot_product(weights(:, m), drift_column(kinematics, scalar%markers(m), j))
+      end do
+   end subroutine function_drift
+
    pure subroutine element_add_energy(self, kinematics, sum)
       class(force_element_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
@@ -319,7 +349,7 @@ contains
       real(wp) :: value, rate, weights(2, 3), mean, open
       if (.not. self%stores) return
       call read_function(self%functions(1), kinematics, value, rate, weights)
-      call find_mean(self%law, self%sign, self%shift, 0.0_wp, value, mean, open)
+      call find_law_mean(self%law, self%sign, self%shift, 0.0_wp, value, mean, open)
       self%origin = merge(0.0_wp, value, open <= nothing*min(abs(mean), huge(mean)))
    end subroutine element_begin_energy
 
@@ -354,104 +384,5 @@ contains
          sum = sum + (push_now + self%stiffness*value_now - push - self%stiffness*value)*rate_now
       end if
    end subroutine element_add_missed_power
-
-   !> Mean of a law of one variable between two values of it: its antiderivative's difference over theirs, by Gauss's formula on
-   !> intervals that are halved until both halves agree with the whole, and the law takes the same branches at both ends: a stop
-   !> that begins behind the last of Gauss's points counts too. Kinks leave few intervals rough, however deep; where very
-   !> many are, it is the law's own round-off that is seen, and halving ends.
-   pure real(wp) function mean_law(law, sign, shift, start, end) result(mean)
-      type(expression_type), intent(in) :: law
-      !> Each slot is sign times the variable + shift
-      real(wp), intent(in) :: sign(:), shift(:)
-      real(wp), intent(in) :: start, end
-      real(wp) :: open
-      call find_mean(law, sign, shift, start, end, mean, open)
-   end function mean_law
-
-   !> The same, and how much of it, in size, comes from the intervals that were not small enough at last.
-   pure subroutine find_mean(law, sign, shift, start, end, mean, open)
-      type(expression_type), intent(in) :: law
-      real(wp), intent(in) :: sign(:), shift(:)
-      real(wp), intent(in) :: start, end
-      real(wp), intent(out) :: mean, open
-      !> Ends of the intervals that are rough, branches there and means over them
-      real(wp) :: ends(2, most_rough), means(most_rough)
-      real(wp) :: next_ends(2, 2*most_rough), next_means(2*most_rough)
-      integer(long) :: branches(2, most_rough), next_branches(2, 2*most_rough), between
-      real(wp) :: middle, halves(2), level, share
-      integer :: i, rough, found, depth
-      mean = 0.0_wp
-      open = 0.0_wp
-      level = 0.0_wp
-      share = 1.0_wp
-      rough = 1
-      between = -1
-      ends(:, 1) = [start, end]
-      branches(1, 1) = branch_at(law, sign, shift, start, end - start)
-      branches(2, 1) = branches(1, 1)
-      if (branches(1, 1) >= 0) branches(2, 1) = branch_at(law, sign, shift, end, end - start)
-      call gauss_mean(law, sign, shift, ends(:, 1), means(1), level)
-      do depth = 1, deepest
-         found = 0
-         do i = 1, rough
-            middle = ends(1, i) + 0.5_wp*(ends(2, i) - ends(1, i))
-            call gauss_mean(law, sign, shift, [ends(1, i), middle], halves(1), level)
-            call gauss_mean(law, sign, shift, [middle, ends(2, i)], halves(2), level)
-            if (branches(1, 1) >= 0) between = branch_at(law, sign, shift, middle, end - start)
-            if (share*abs(0.5_wp*sum(halves) - means(i)) > 1.0e-15_wp*level .or. any(branches(:, i) /= between)) then
-               next_ends(:, found + 1) = [ends(1, i), middle]
-               next_ends(:, found + 2) = [middle, ends(2, i)]
-               next_branches(:, found + 1) = [branches(1, i), between]
-               next_branches(:, found + 2) = [between, branches(2, i)]
-               next_means(found + 1:found + 2) = halves
-               found = found + 2
-            else
-               mean = mean + 0.5_wp*share*sum(halves)
-            end if
-         end do
-         share = 0.5_wp*share
-         if (found > most_rough .or. depth == deepest) then
-            mean = mean + share*sum(next_means(:found))
-            open = share*sum(abs(next_means(:found)))
-         end if
-         if (found == 0 .or. found > most_rough) return
-         rough = found
-         ends(:, :rough) = next_ends(:, :rough)
-         branches(:, :rough) = next_branches(:, :rough)
-         means(:rough) = next_means(:rough)
-      end do
-   end subroutine find_mean
-
-   !> The branches that a law of one variable takes behind a value, on the way from start to end; -1 if it has none.
-   pure integer(long) function branch_at(law, sign, shift, value, way) result(branch)
-      type(expression_type), intent(in) :: law
-      real(wp), intent(in) :: sign(:), shift(:), value, way
-      type(jet_type) :: line(max_slots)
-      integer :: k
-      do k = 1, size(sign)
-         line(k)%value = sign(k)*value + shift(k)
-         line(k)%first = sign(k)*way
-      end do
-      branch = law%branches_along(line(:size(sign)))
-   end function branch_at
-
-   !> Gauss's formula for the mean over an interval, and the largest value so far.
-   pure subroutine gauss_mean(law, sign, shift, ends, mean, level)
-      type(expression_type), intent(in) :: law
-      real(wp), intent(in) :: sign(:), shift(:)
-      real(wp), intent(in) :: ends(2)
-      real(wp), intent(out) :: mean
-      real(wp), intent(inout) :: level
-      real(wp) :: values(max_slots), f
-      integer :: k
-      mean = 0.0_wp
-      do k = 1, size(gauss)
-         f = 0.5_wp*(ends(1) + ends(2)) + 0.5_wp*(ends(2) - ends(1))*gauss(k)
-         values(:size(sign)) = sign*f + shift
-         f = law%evaluate(values(:size(sign)))
-         mean = mean + 0.5_wp*gauss_weights(k)*f
-         level = max(level, abs(f))
-      end do
-   end subroutine gauss_mean
 
 end module limber_multibody_force_elements

@@ -1,18 +1,17 @@
 !> Scalar functions of the motion: lengths, angles and coordinates of points and directions. Constraints, loads and laws are made of
 !> them. Each has a value, a rate, first and second derivatives by the positions of its markers. Over a step the first derivatives
-!> are such that their sum with the increments of the markers is the change of the value, exactly. A load also asks for the
-!> derivatives by the coordinates of its bodies. Floor: multibody. Source: doc/theory, eqs. (3.8), (3.9), (3.14), (3.17),
+!> are such that their sum with the increments of the markers is the change of the value, exactly. Constraints and loads turn them
+!> into derivatives by the coordinates of bodies. Floor: multibody. Source: doc/theory, eqs. (3.8), (3.9), (3.14), (3.17),
 !> (3.31)-(3.33).
 module limber_multibody_scalar_functions
    use limber_base_kinds, only: wp
    use limber_multibody_kinematics, only: kinematics_type
-   use limber_multibody_markers, only: marker_column, drift_column, vector_angle_gradient, vector_angle_hessian
+   use limber_multibody_markers, only: vector_angle_gradient, vector_angle_hessian
    use limber_multibody_plane_vectors, only: turn, cross
    implicit none
    private
    public :: scalar_function_type, compare_functions
    public :: function_value, read_function, read_gap, function_weights, function_ends, function_hessian, hessian_times
-   public :: function_column, function_drift
 
    !> Of the vectors v1, v2, v3, points or directions: the component axis.(v1 - v2) along a fixed axis; the coordinate (v1 - v2).v3
    !> along a direction; the product v1 x v2 of directions; the distance |v1 - v2|; the angle of v1 - v2, and the angle of the
@@ -47,11 +46,11 @@ contains
    pure real(wp) function function_value(scalar, kinematics) result(value)
       type(scalar_function_type), intent(in) :: scalar
       type(kinematics_type), intent(in) :: kinematics
-      real(wp) :: v(2, 3), w(2, 3), weights(2, 3)
+      real(wp) :: v(2, 3), weights(2, 3)
       if (is_angle(scalar)) then
          value = angle_value(scalar, kinematics)
       else
-         call fetch(scalar, kinematics, v, w)
+         call fetch(scalar, kinematics, v)
          call find_at(scalar, v, value, weights)
       end if
    end function function_value
@@ -65,7 +64,8 @@ contains
       !> Derivatives by the positions of the markers (2, 3)
       real(wp), intent(out) :: weights(2, 3)
       real(wp) :: v(2, 3), w(2, 3), end
-      call fetch(scalar, kinematics, v, w)
+      call fetch(scalar, kinematics, v)
+      call fetch_rates(scalar, kinematics, w)
       if (kinematics%span > 0.0_wp) then
          call find_over(scalar, v, w, kinematics%span, value, end, weights)
          value = 0.5_wp*(value + end)
@@ -83,8 +83,9 @@ contains
       type(kinematics_type), intent(in) :: kinematics
       real(wp), intent(out) :: weights(2, 3)
       real(wp) :: v(2, 3), w(2, 3), value, end
-      call fetch(scalar, kinematics, v, w)
+      call fetch(scalar, kinematics, v)
       if (kinematics%span > 0.0_wp .and. .not. is_quadratic(scalar)) then
+         call fetch_rates(scalar, kinematics, w)
          call find_over(scalar, v, w, kinematics%span, value, end, weights)
       else
          call find_at(scalar, v, value, weights)
@@ -97,7 +98,8 @@ contains
       type(kinematics_type), intent(in) :: kinematics
       real(wp), intent(out) :: start, end
       real(wp) :: v(2, 3), w(2, 3), weights(2, 3), half
-      call fetch(scalar, kinematics, v, w)
+      call fetch(scalar, kinematics, v)
+      call fetch_rates(scalar, kinematics, w)
       call find_over(scalar, v, w, kinematics%span, start, end, weights)
       if (.not. is_angle(scalar)) return
       half = 0.5_wp*kinematics%span*rate_of(weights, w)
@@ -110,10 +112,10 @@ contains
       type(scalar_function_type), intent(in) :: scalar
       type(kinematics_type), intent(in) :: kinematics
       real(wp), intent(out) :: h(2, 3, 2, 3)
-      real(wp) :: v(2, 3), w(2, 3), block(2, 2), length
+      real(wp) :: v(2, 3), block(2, 2), length
       h = 0.0_wp
       if (scalar%kind == scalar_component) return
-      call fetch(scalar, kinematics, v, w)
+      call fetch(scalar, kinematics, v)
       select case (scalar%kind)
       case (scalar_along)
          block = reshape([1.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [2, 2])
@@ -157,7 +159,8 @@ contains
       type(kinematics_type), intent(in) :: kinematics
       real(wp), intent(out) :: gap(2), rate(2)
       real(wp) :: v(2, 3), w(2, 3)
-      call fetch(scalar, kinematics, v, w)
+      call fetch(scalar, kinematics, v)
+      call fetch_rates(scalar, kinematics, w)
       gap = v(:, 1) - v(:, 2)
       rate = w(:, 1) - w(:, 2)
    end subroutine read_gap
@@ -171,7 +174,7 @@ contains
       logical :: same, swapped
       sign = 0.0_wp
       shift = 0.0_wp
-      alike = one%kind == other%kind .and. (one%unit .eqv. other%unit)
+      alike = one%kind == other%kind .and. (one%unit .eqv. other%unit) .and. .not. abs(one%softening - other%softening) > 0.0_wp
       if (.not. alike) return
       same = all(one%markers == other%markers)
       swapped = all(one%markers(1:2) == other%markers(2:1:-1))
@@ -193,57 +196,29 @@ contains
       shift = sign*one%origin - other%origin
    end subroutine compare_functions
 
-   !> Derivative of a marker's position by one of the stacked coordinates of a load's bodies (2).
-   pure function function_column(scalar, kinematics, m, part, j) result(column)
+   !> The vectors, zero where there is none; over a step their means.
+   pure subroutine fetch(scalar, kinematics, v)
       type(scalar_function_type), intent(in) :: scalar
       type(kinematics_type), intent(in) :: kinematics
-      !> Which marker of the function
-      integer, intent(in) :: m
-      !> Which of the load's bodies, and which of its coordinates
-      integer, intent(in) :: part, j
-      real(wp) :: column(2)
-      column = 0.0_wp
-      if (scalar%parts(m) == part .and. part > 0) column = marker_column(kinematics%markers(scalar%markers(m)), j)
-   end function function_column
-
-   !> Derivative of a function and of its rate by one of the stacked coordinates of a load's bodies.
-   pure subroutine function_drift(scalar, kinematics, weights, push, part, j, by_place, drift)
-      type(scalar_function_type), intent(in) :: scalar
-      type(kinematics_type), intent(in) :: kinematics
-      !> Weights, and second derivatives times velocities (2, 3)
-      real(wp), intent(in) :: weights(2, 3), push(2, 3)
-      integer, intent(in) :: part, j
-      real(wp), intent(out) :: by_place, drift
-      real(wp) :: column(2)
+      real(wp), intent(out) :: v(2, 3)
       integer :: m
-      by_place = 0.0_wp
-      drift = 0.0_wp
-      if (part == 0) return
+      v = 0.0_wp
       do m = 1, 3
-         if (scalar%parts(m) /= part) cycle
-         column = marker_column(kinematics%markers(scalar%markers(m)), j)
-         by_place = by_place + dot_product(weights(:, m), column)
-         drift = drift + dot_product(push(:, m), column) &
-            & + dot_product(weights(:, m), drift_column(kinematics, scalar%markers(m), j))
-      end do
-   end subroutine function_drift
-
-   !> The vectors and their velocities, zero where there is none; over a step their means, and increments over the span.
-   pure subroutine fetch(scalar, kinematics, v, w)
-      type(scalar_function_type), intent(in) :: scalar
-      type(kinematics_type), intent(in) :: kinematics
-      real(wp), intent(out) :: v(2, 3), w(2, 3)
-      integer :: m
-      do m = 1, 3
-         if (scalar%markers(m) > 0) then
-            v(:, m) = kinematics%markers(scalar%markers(m))%position
-            w(:, m) = kinematics%markers(scalar%markers(m))%velocity
-         else
-            v(:, m) = 0.0_wp
-            w(:, m) = 0.0_wp
-         end if
+         if (scalar%markers(m) > 0) v(:, m) = kinematics%markers(scalar%markers(m))%position
       end do
    end subroutine fetch
+
+   !> Their velocities; over a step increments over the span.
+   pure subroutine fetch_rates(scalar, kinematics, w)
+      type(scalar_function_type), intent(in) :: scalar
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp), intent(out) :: w(2, 3)
+      integer :: m
+      w = 0.0_wp
+      do m = 1, 3
+         if (scalar%markers(m) > 0) w(:, m) = kinematics%markers(scalar%markers(m))%velocity
+      end do
+   end subroutine fetch_rates
 
    !> Whether the value is one of followed angles, with turns that the vectors do not tell.
    pure logical function is_angle(scalar)

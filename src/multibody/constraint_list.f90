@@ -1,5 +1,5 @@
-!> Builder of the constraints from joints and drivers. What each kind of them measures, and how it puts that together. Floor:
-!> multibody. Source: doc/theory, eqs. (3.15), (3.16), (3.22)-(3.24), (3.28), (3.29).
+!> Builder of the constraints from joints and drivers. What functions of the motion each kind of them has, and how these are put
+!> together. Floor: multibody. Source: doc/theory, eqs. (3.15), (3.16), (3.22)-(3.24), (3.28), (3.29).
 module limber_multibody_constraint_list
    use limber_base_kinds, only: wp
    use limber_model_model, only: joint_type, function_term_type, driver_type, term_type, body_flexible, ground, &
@@ -13,13 +13,12 @@ module limber_multibody_constraint_list
    use limber_multibody_beam_path, only: beam_path_type
    use limber_multibody_point_joints, only: revolute_type, point_on_line_type
    use limber_multibody_function_constraints, only: linear_type
-   use limber_multibody_joint_functions, only: joint_function_type, measure_angle
    use limber_multibody_path_constraints, only: curve_joint_type
+   use limber_multibody_scalar_functions, only: scalar_function_type, scalar_angle
    use limber_multibody_sliding_paths, only: new_path, new_coordinate, slides
    use limber_multibody_marker_registry, only: registry_type, marker_of, angle_of, guessed_angle, guessed_position
    use limber_multibody_function_sums, only: add_coordinate, add_section_angle, add_displacement, add_parallel, &
-      & add_component, add_distance, &
-      & add_measure, vector, take_measures, find_bodies, guessed_distance, guessed_place
+      & add_component, add_distance, add_scalar, take_functions, find_bodies, guessed_distance, guessed_place
    implicit none
    private
    public :: new_joint, new_driver
@@ -132,8 +131,8 @@ contains
          call add_section_angle(system, sums, joint%points(term%side), coefficient, guess)
       case (function_direction)
          centre = [marker_of(system, joint%points(1)), marker_of(system, joint%points(2))]
-         call add_measure(sums, joint_function_type(kind=measure_angle, vectors=[vector(sums, centre(2)), vector(sums, centre(1)), &
-            & 0], angle=angle_of(system, centre(1), centre(2))), coefficient, term%row)
+         call add_scalar(sums, scalar_function_type(kind=scalar_angle, markers=[centre(2), centre(1), 0], &
+            & angles=[angle_of(system, centre(1), centre(2)), 0]), coefficient, term%row)
          guess = guess + coefficient*guessed_angle(system, centre(1), centre(2))
       end select
    end subroutine add_function
@@ -151,7 +150,7 @@ contains
       do i = 1, size(joint%functions)
          call add_function(system, axes, joint, joint%functions(i), 1.0_wp, guess)
       end do
-      call take_measures(axes, path)
+      call take_functions(axes, path)
       path%curve = joint%curve
       allocate (item, source=path)
    end subroutine add_curve

@@ -4,10 +4,9 @@ module limber_multibody_couplers
    use limber_base_kinds, only: wp
    use limber_model_model, only: term_type, coordinate_displacement, ground
    use limber_multibody_constraint, only: constraint_type, constraint_item_type
-   use limber_multibody_function_constraints, only: function_constraint_type, linear_type, most_measures, most_vectors
-   use limber_multibody_joint_functions, only: joint_function_type
+   use limber_multibody_function_constraints, only: function_constraint_type, linear_type, most_functions, most_vectors
    use limber_multibody_marker_registry, only: registry_type
-   use limber_multibody_function_sums, only: add_coordinate, add_measure, find_bodies, vector
+   use limber_multibody_function_sums, only: add_coordinate, add_scalar, find_bodies
    use limber_multibody_beam_path, only: beam_path_type
    use limber_multibody_sliding_paths, only: new_coordinate, slides
    implicit none
@@ -106,7 +105,7 @@ contains
       if (along) along = slides(system%model%joints(term%of))
    end function is_along_beam
 
-   !> Adds the measures of a joint coordinate, each to the first part that has its bodies, or room for them.
+   !> Adds the scalar functions of a joint coordinate, each to the first part that has its bodies, or room for them.
    subroutine add_term(system, term, parts, sum)
       class(registry_type), intent(inout) :: system
       type(term_type), intent(in) :: term
@@ -121,7 +120,7 @@ contains
             if (has_room(system, parts(i), single, k)) exit
          end do
          if (i > size(parts)) call add_empty(parts)
-         call move_measure(single, k, parts(i))
+         call add_scalar(parts(i), single%functions(k), single%coefficients(1, k), 1)
          call find_bodies(system, parts(i))
       end do
    end subroutine add_term
@@ -136,37 +135,24 @@ contains
       call move_alloc(longer, parts)
    end subroutine add_empty
 
-   !> Whether a part can take a measure: then it is still one of two bodies.
-   pure logical function has_room(system, part, single, measure) result(room)
+   !> Whether a part can take a scalar function: then it is still one of two bodies.
+   pure logical function has_room(system, part, single, index) result(room)
       class(registry_type), intent(in) :: system
       type(linear_type), intent(in) :: part, single
-      integer, intent(in) :: measure
+      !> Which of the functions of the single one
+      integer, intent(in) :: index
       integer :: bodies(2), j, body
       room = .false.
-      if (part%count == most_measures .or. part%vectors + 3 > most_vectors) return
+      if (part%count == most_functions .or. part%vectors + 3 > most_vectors) return
       bodies = part%bodies
       do j = 1, 3
-         if (single%measures(measure)%vectors(j) == 0) cycle
-         body = system%model%points(system%marker_points(single%markers(single%measures(measure)%vectors(j))))%body
+         if (single%functions(index)%markers(j) == 0) cycle
+         body = system%model%points(system%marker_points(single%functions(index)%markers(j)))%body
          if (body == ground .or. any(bodies == body)) cycle
          if (all(bodies /= ground)) return
          bodies(merge(1, 2, bodies(1) == ground)) = body
       end do
       room = .true.
    end function has_room
-
-   !> Adds a measure of one constraint to another, with its coefficient in the first row.
-   subroutine move_measure(from, index, to)
-      type(linear_type), intent(in) :: from
-      integer, intent(in) :: index
-      type(linear_type), intent(inout) :: to
-      type(joint_function_type) :: measure
-      integer :: j
-      measure = from%measures(index)
-      do j = 1, 3
-         if (measure%vectors(j) > 0) measure%vectors(j) = vector(to, from%markers(measure%vectors(j)))
-      end do
-      call add_measure(to, measure, from%coefficients(1, index), 1)
-   end subroutine move_measure
 
 end module limber_multibody_couplers

@@ -8,45 +8,46 @@ module limber_multibody_function_constraints
    use limber_multibody_constraint, only: constraint_type, jacobian_type
    use limber_multibody_kinematics, only: kinematics_type
    use limber_multibody_markers, only: add_marker, marker_drift, marker_stiffness, marker_column
-   use limber_multibody_joint_functions, only: joint_function_type, measure_angle, measure_value, measure_gradient, measure_hessian
+   use limber_multibody_scalar_functions, only: scalar_function_type, scalar_component, function_value, function_weights, &
+      & function_ends, function_hessian, hessian_times
    implicit none
    private
    public :: function_constraint_type, linear_type, variables_type, vector_pulls
 
-   !> Most vectors, measures, deflections and equations of a constraint
-   integer, parameter, public :: most_vectors = 12, most_measures = 6
+   !> Most vectors, scalar functions, deflections and equations of a constraint
+   integer, parameter, public :: most_vectors = 12, most_functions = 6
    integer, parameter :: most_bends = 24, most_rows = 3
    !> Most variables of f
-   integer, parameter :: most_variables = most_measures + most_bends
+   integer, parameter :: most_variables = most_functions + most_bends
    !> Most coordinates of both bodies
    integer, parameter :: most_columns = 2*(3 + most_bends)
 
-   !> A constraint of measures
+   !> A constraint of scalar functions
    type, abstract, extends(constraint_type) :: function_constraint_type
-      !> Vectors that the measures are of: how many, and which markers
+      !> Vectors that the scalar functions are of: how many, and which markers
       integer :: vectors = 0, markers(most_vectors) = 0
-      !> Measures
+      !> Scalar functions
       integer :: count = 0
-      type(joint_function_type) :: measures(most_measures)
-      !> Index of the deflections that follow the measures among the variables, in the kinematics; 0: none
+      type(scalar_function_type) :: functions(most_functions)
+      !> Index of the deflections that follow them among the variables, in the kinematics; 0: none
       integer :: bend = 0
       !> What moves the first equation, f_1 - s(t): index of the drive; 0: nothing
       integer :: drive = 0
    contains
       !> f and its derivatives
       procedure(function_interface), deferred :: evaluate
-      procedure :: residual => kernel_residual
-      procedure :: jacobian => kernel_jacobian
-      procedure :: stiffness => kernel_stiffness
-      procedure :: drift => kernel_drift
-      procedure :: gamma => kernel_gamma
-      procedure :: rate => kernel_rate
-      procedure :: couples => kernel_couples
+      procedure :: residual => constraint_residual
+      procedure :: jacobian => constraint_jacobian
+      procedure :: stiffness => constraint_stiffness
+      procedure :: drift => constraint_drift
+      procedure :: gamma => constraint_gamma
+      procedure :: rate => constraint_rate
+      procedure :: couples => constraint_couples
    end type function_constraint_type
 
-   !> f = coefficients z - offset: joints whose measures say all
+   !> f = coefficients z - offset: joints whose scalar functions say all
    type, extends(function_constraint_type) :: linear_type
-      real(wp) :: coefficients(most_rows, most_measures) = 0.0_wp, offset(most_rows) = 0.0_wp
+      real(wp) :: coefficients(most_rows, most_functions) = 0.0_wp, offset(most_rows) = 0.0_wp
    contains
       procedure :: evaluate => linear_evaluate
    end type linear_type
@@ -86,14 +87,12 @@ contains
       if (order > 1) at%hessian(:at%count, :at%count, :self%rows) = 0.0_wp
    end subroutine linear_evaluate
 
-   pure subroutine kernel_residual(self, kinematics, phi)
+   pure subroutine constraint_residual(self, kinematics, phi)
       class(function_constraint_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
       real(wp), intent(inout) :: phi(:)
       type(variables_type) :: at
-      real(wp) :: y(2, most_vectors), rate(2, most_vectors)
-      call find_vectors(self, kinematics, y, rate)
-      call find_variables(self, kinematics, y, at)
+      call find_variables(self, kinematics, at)
       call self%evaluate(0, at)
       if (self%part_of > 0) then
          phi = phi + at%f(:self%rows)
@@ -101,16 +100,16 @@ contains
       end if
       phi = at%f(:self%rows)
       if (self%drive > 0) phi(1) = phi(1) - kinematics%drives(self%drive)%value
-   end subroutine kernel_residual
+   end subroutine constraint_residual
 
-   pure subroutine kernel_jacobian(self, kinematics, first, second)
+   pure subroutine constraint_jacobian(self, kinematics, first, second)
       class(function_constraint_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
       type(jacobian_type), intent(inout) :: first, second
       type(variables_type) :: at
-      real(wp) :: y(2, most_vectors), rate(2, most_vectors), g(2, 3, most_measures), weight(2, most_vectors)
+      real(wp) :: g(2, 3, most_functions), weight(2, most_vectors)
       integer :: row, j, k
-      call find_slopes(self, kinematics, 1, y, rate, g, at)
+      call find_slopes(self, kinematics, 1, g, at)
       first%z = 0.0_wp
       first%eta = 0.0_wp
       second%z = 0.0_wp
@@ -125,31 +124,32 @@ contains
             second%eta(row, k - self%count) = second%eta(row, k - self%count) + at%gradient(row, k)
          end do
       end do
-   end subroutine kernel_jacobian
+   end subroutine constraint_jacobian
 
-   pure subroutine kernel_rate(self, kinematics, rate)
+   pure subroutine constraint_rate(self, kinematics, rate)
       class(function_constraint_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
       real(wp), intent(inout) :: rate(:)
       if (self%part_of > 0) return
       rate = 0.0_wp
       if (self%drive > 0) rate(1) = kinematics%drives(self%drive)%rate
-   end subroutine kernel_rate
+   end subroutine constraint_rate
 
    !> -(d2 f/dY2 Y' Y' + df/dy.bias) + s'', with Y the vectors and deflections: eq. (3.18).
-   pure subroutine kernel_gamma(self, kinematics, rate)
+   pure subroutine constraint_gamma(self, kinematics, rate)
       class(function_constraint_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
       real(wp), intent(inout) :: rate(:)
       type(variables_type) :: at
-      real(wp) :: y(2, most_vectors), speed(2, most_vectors), g(2, 3, most_measures), push(2, most_vectors)
+      real(wp) :: g(2, 3, most_functions), h(2, 3, 2, 3, most_functions), speed(2, most_vectors), push(2, most_vectors)
       real(wp) :: weight(2, most_vectors), sway(most_bends), bend(most_bends)
       integer :: row, j, k
-      call find_slopes(self, kinematics, 2, y, speed, g, at)
-      call bend_rate(self, kinematics, sway)
+      call find_slopes(self, kinematics, 2, g, at)
+      call find_hessians(self, kinematics, h)
+      call find_speeds(self, kinematics, speed, sway)
       do row = 1, self%rows
          call gather_weights(self, at%gradient(row, :self%count), g, weight)
-         call turn_weights(self, row, y, speed, sway, g, at, push, bend)
+         call turn_weights(self, row, speed, sway, g, h, at, push, bend)
          if (self%part_of == 0) rate(row) = 0.0_wp
          do j = 1, self%vectors
             rate(row) = rate(row) - dot_product(push(:, j), speed(:, j)) &
@@ -160,21 +160,22 @@ contains
          end do
       end do
       if (self%drive > 0) rate(1) = rate(1) + kinematics%drives(self%drive)%acceleration
-   end subroutine kernel_gamma
+   end subroutine constraint_gamma
 
-   pure subroutine kernel_drift(self, kinematics, first, second)
+   pure subroutine constraint_drift(self, kinematics, first, second)
       class(function_constraint_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
       real(wp), intent(inout) :: first(:, :), second(:, :)
       type(variables_type) :: at
-      real(wp) :: y(2, most_vectors), speed(2, most_vectors), g(2, 3, most_measures), push(2, most_vectors)
+      real(wp) :: g(2, 3, most_functions), h(2, 3, 2, 3, most_functions), speed(2, most_vectors), push(2, most_vectors)
       real(wp) :: weight(2, most_vectors), sway(most_bends), bend(most_bends)
       integer :: row, j, k
-      call find_slopes(self, kinematics, 2, y, speed, g, at)
-      call bend_rate(self, kinematics, sway)
+      call find_slopes(self, kinematics, 2, g, at)
+      call find_hessians(self, kinematics, h)
+      call find_speeds(self, kinematics, speed, sway)
       do row = 1, self%rows
          call gather_weights(self, at%gradient(row, :self%count), g, weight)
-         call turn_weights(self, row, y, speed, sway, g, at, push, bend)
+         call turn_weights(self, row, speed, sway, g, h, at, push, bend)
          do j = 1, self%vectors
             select case (side_of(self, kinematics, j))
             case (1)
@@ -189,19 +190,20 @@ contains
             second(row, 3 + k) = second(row, 3 + k) + bend(k)
          end do
       end do
-   end subroutine kernel_drift
+   end subroutine constraint_drift
 
    !> J^T (d2 (lambda.f)/dY2) J and what the vectors' own second derivatives make, eq. (3.19).
-   pure subroutine kernel_stiffness(self, kinematics, lambda, first, second, across)
+   pure subroutine constraint_stiffness(self, kinematics, lambda, first, second, across)
       class(function_constraint_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
       real(wp), intent(in) :: lambda(:)
       real(wp), intent(inout) :: first(:, :), second(:, :), across(:, :)
       type(variables_type) :: at
-      real(wp) :: y(2, most_vectors), speed(2, most_vectors), g(2, 3, most_measures), push(2, most_vectors)
+      real(wp) :: g(2, 3, most_functions), h(2, 3, 2, 3, most_functions), push(2, most_vectors)
       real(wp) :: weight(2, most_vectors), bend(most_bends), move(2, most_vectors), change(most_bends), column
       integer :: row, i, j, k, m, n
-      call find_slopes(self, kinematics, 2, y, speed, g, at)
+      call find_slopes(self, kinematics, 2, g, at)
+      call find_hessians(self, kinematics, h)
       m = size(first, 1)
       n = size(second, 1)
       do row = 1, self%rows
@@ -214,7 +216,7 @@ contains
          end do
          do j = 1, m + n
             call columns_of(self, kinematics, m, j, move, change)
-            call turn_weights(self, row, y, move, change, g, at, push, bend)
+            call turn_weights(self, row, move, change, g, h, at, push, bend)
             do i = 1, merge(m, m + n, j <= m)
                call columns_of(self, kinematics, m, i, move, change)
                column = 0.0_wp
@@ -234,41 +236,23 @@ contains
             end do
          end do
       end do
-   end subroutine kernel_stiffness
+   end subroutine constraint_stiffness
 
    !> Between two bodies, whatever f is.
-   pure logical function kernel_couples(self)
+   pure logical function constraint_couples(self)
       class(function_constraint_type), intent(in) :: self
-      kernel_couples = all(self%bodies /= ground)
-   end function kernel_couples
+      constraint_couples = all(self%bodies /= ground)
+   end function constraint_couples
 
-   !> The vectors of a constraint and their rates.
-   pure subroutine find_vectors(self, kinematics, y, rate)
+   !> The variables of f at an instant.
+   pure subroutine find_variables(self, kinematics, at)
       class(function_constraint_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
-      !> (2, vectors)
-      real(wp), intent(out) :: y(2, most_vectors), rate(2, most_vectors)
-      integer :: j
-      do j = 1, self%vectors
-         y(:, j) = kinematics%markers(self%markers(j))%position
-         rate(:, j) = kinematics%markers(self%markers(j))%velocity
-      end do
-   end subroutine find_vectors
-
-   !> The variables of f at given vectors; angles and deflections are those of the kinematics.
-   pure subroutine find_variables(self, kinematics, y, at)
-      class(function_constraint_type), intent(in) :: self
-      type(kinematics_type), intent(in) :: kinematics
-      real(wp), intent(in) :: y(2, most_vectors)
       type(variables_type), intent(inout) :: at
       integer :: k, n
       at%count = self%count
       do k = 1, self%count
-         if (self%measures(k)%kind == measure_angle) then
-            at%z(k) = kinematics%angles(self%measures(k)%angle)%value
-         else
-            at%z(k) = measure_value(self%measures(k), y)
-         end if
+         at%z(k) = function_value(self%functions(k), kinematics)
       end do
       if (self%bend == 0) return
       n = size(kinematics%bends(self%bend)%eta)
@@ -276,58 +260,58 @@ contains
       at%count = self%count + n
    end subroutine find_variables
 
-   !> Vectors, gradients of the measures, and f with its derivatives up to an order; over a step those of the mean of the
+   !> Gradients of the scalar functions, and f with its derivatives up to an order; over a step those of the mean of the
    !> variables, corrected.
-   pure subroutine find_slopes(self, kinematics, order, y, rate, g, at)
+   pure subroutine find_slopes(self, kinematics, order, g, at)
       class(function_constraint_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
       integer, intent(in) :: order
-      real(wp), intent(out) :: y(2, most_vectors), rate(2, most_vectors)
-      !> Of each measure by its own vectors (2, 3, measures)
-      real(wp), intent(out) :: g(2, 3, most_measures)
+      !> Of each function by its own vectors (2, 3, functions)
+      real(wp), intent(out) :: g(2, 3, most_functions)
       type(variables_type), intent(inout) :: at
       integer :: k
-      call find_vectors(self, kinematics, y, rate)
       do k = 1, self%count
-         g(:, :, k) = measure_gradient(self%measures(k), y, rate, kinematics%span)
+         call function_weights(self%functions(k), kinematics, g(:, :, k))
       end do
-      call find_variables(self, kinematics, y, at)
       select type (self)
       type is (linear_type)
+         ! Its derivatives are the same for all variables
+         at%count = self%count
+         at%z(:at%count) = 0.0_wp
          call self%evaluate(order, at)
       class default
          if (kinematics%span > 0.0_wp) then
-            call correct(self, kinematics, order, y, rate, at)
+            call correct(self, kinematics, order, at)
          else
+            call find_variables(self, kinematics, at)
             call self%evaluate(order, at)
          end if
       end select
    end subroutine find_slopes
 
+   !> Second derivatives of the scalar functions by their own vectors (2, 3, 2, 3, functions).
+   pure subroutine find_hessians(self, kinematics, h)
+      class(function_constraint_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp), intent(out) :: h(2, 3, 2, 3, most_functions)
+      integer :: k
+      do k = 1, self%count
+         call function_hessian(self%functions(k), kinematics, h(:, :, :, :, k))
+      end do
+   end subroutine find_hessians
+
    !> The gradient at the middle of the step's variables, and the least change of it that makes f(z_1) - f(z_0): eq. (3.20).
-   pure subroutine correct(self, kinematics, order, y, rate, at)
+   pure subroutine correct(self, kinematics, order, at)
       class(function_constraint_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
       integer, intent(in) :: order
-      real(wp), intent(in) :: y(2, most_vectors), rate(2, most_vectors)
       type(variables_type), intent(inout) :: at
       type(variables_type) :: before, after
-      real(wp) :: step(most_variables), metric(most_variables), square, missing, end(2, most_vectors)
+      real(wp) :: step(most_variables), metric(most_variables), square, missing
       integer :: k, row
-      end(:, :self%vectors) = y(:, :self%vectors) - 0.5_wp*kinematics%span*rate(:, :self%vectors)
-      call find_variables(self, kinematics, end, before)
-      end(:, :self%vectors) = y(:, :self%vectors) + 0.5_wp*kinematics%span*rate(:, :self%vectors)
-      call find_variables(self, kinematics, end, after)
+      call find_ends(self, kinematics, before, after)
       metric(:self%count) = 1.0_wp
-      if (self%bend > 0) then
-         do k = 1, before%count - self%count
-            associate (change => 0.5_wp*kinematics%span*kinematics%bends(self%bend)%rate(k))
-               before%z(self%count + k) = before%z(self%count + k) - change
-               after%z(self%count + k) = after%z(self%count + k) + change
-            end associate
-            metric(self%count + k) = kinematics%bends(self%bend)%size**2
-         end do
-      end if
+      if (self%bend > 0) metric(self%count + 1:before%count) = kinematics%bends(self%bend)%size**2
       at%count = before%count
       at%z(:at%count) = 0.5_wp*(before%z(:at%count) + after%z(:at%count))
       step(:at%count) = after%z(:at%count) - before%z(:at%count)
@@ -350,18 +334,39 @@ contains
       end do
    end subroutine correct
 
-   !> Derivatives by the vectors from those by the measures.
+   !> The variables of f at the start and the end of a step.
+   pure subroutine find_ends(self, kinematics, before, after)
+      class(function_constraint_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      type(variables_type), intent(inout) :: before, after
+      integer :: k, n
+      n = self%count
+      do k = 1, n
+         call function_ends(self%functions(k), kinematics, before%z(k), after%z(k))
+      end do
+      if (self%bend > 0) then
+         associate (bend => kinematics%bends(self%bend))
+            n = self%count + size(bend%eta)
+            before%z(self%count + 1:n) = bend%eta - 0.5_wp*kinematics%span*bend%rate
+            after%z(self%count + 1:n) = bend%eta + 0.5_wp*kinematics%span*bend%rate
+         end associate
+      end if
+      before%count = n
+      after%count = n
+   end subroutine find_ends
+
+   !> Derivatives by the vectors from those by the scalar functions.
    pure subroutine gather_weights(self, slope, g, weight)
       class(function_constraint_type), intent(in) :: self
-      !> By the measures
-      real(wp), intent(in) :: slope(:), g(2, 3, most_measures)
+      !> By the scalar functions
+      real(wp), intent(in) :: slope(:), g(2, 3, most_functions)
       !> By the vectors (2, vectors)
       real(wp), intent(out) :: weight(2, most_vectors)
       integer :: j, k, v
       weight(:, :self%vectors) = 0.0_wp
       do k = 1, self%count
          do j = 1, 3
-            v = self%measures(k)%vectors(j)
+            v = self%functions(k)%vectors(j)
             if (v > 0) weight(:, v) = weight(:, v) + slope(k)*g(:, j, k)
          end do
       end do
@@ -376,9 +381,9 @@ contains
       !> (2, vectors)
       real(wp), intent(out) :: pull(2, most_vectors)
       type(variables_type) :: at
-      real(wp) :: y(2, most_vectors), rate(2, most_vectors), g(2, 3, most_measures), weight(2, most_vectors)
+      real(wp) :: g(2, 3, most_functions), weight(2, most_vectors)
       integer :: row
-      call find_slopes(self, kinematics, 1, y, rate, g, at)
+      call find_slopes(self, kinematics, 1, g, at)
       pull = 0.0_wp
       do row = 1, self%rows
          call gather_weights(self, at%gradient(row, :self%count), g, weight)
@@ -387,21 +392,22 @@ contains
    end subroutine vector_pulls
 
    !> What an equation's derivatives by vectors and deflections change by when these move: d2 f/dY2 applied to a motion.
-   pure subroutine turn_weights(self, row, y, move, change, g, at, push, bend)
+   pure subroutine turn_weights(self, row, move, change, g, h, at, push, bend)
       class(function_constraint_type), intent(in) :: self
       integer, intent(in) :: row
-      !> Vectors, and how they and the deflections move
-      real(wp), intent(in) :: y(2, most_vectors), move(2, most_vectors), change(most_bends)
-      real(wp), intent(in) :: g(2, 3, most_measures)
+      !> How vectors and deflections move
+      real(wp), intent(in) :: move(2, most_vectors), change(most_bends)
+      !> First and second derivatives of each scalar function by its own vectors
+      real(wp), intent(in) :: g(2, 3, most_functions), h(2, 3, 2, 3, most_functions)
       type(variables_type), intent(in) :: at
       !> By the vectors, by the deflections
       real(wp), intent(out) :: push(2, most_vectors), bend(most_bends)
-      real(wp) :: speed(most_variables), slope(most_variables), h(6, 6), own(6)
-      integer :: j, k, v
+      real(wp) :: speed(most_variables), slope(most_variables)
+      integer :: i, j, k, v, w
       do k = 1, self%count
          speed(k) = 0.0_wp
          do j = 1, 3
-            v = self%measures(k)%vectors(j)
+            v = self%functions(k)%vectors(j)
             if (v > 0) speed(k) = speed(k) + dot_product(g(:, j, k), move(:, v))
          end do
       end do
@@ -416,17 +422,14 @@ contains
       end do
       call gather_weights(self, slope(:self%count), g, push)
       do k = 1, self%count
-         h = at%gradient(row, k)*measure_hessian(self%measures(k), y)
-         own = 0.0_wp
+         if (self%functions(k)%kind == scalar_component) cycle
          do j = 1, 3
-            v = self%measures(k)%vectors(j)
-            if (v > 0) own(2*j - 1:2*j) = move(:, v)
-         end do
-         do j = 1, 3
-            v = self%measures(k)%vectors(j)
-            if (v == 0) cycle
-            push(1, v) = push(1, v) + dot_product(h(:, 2*j - 1), own)
-            push(2, v) = push(2, v) + dot_product(h(:, 2*j), own)
+            w = self%functions(k)%vectors(j)
+            if (w == 0) cycle
+            do i = 1, 3
+               v = self%functions(k)%vectors(i)
+               if (v > 0) push(:, v) = push(:, v) + at%gradient(row, k)*hessian_times(h(:, :, :, :, k), i, j, move(:, w))
+            end do
          end do
       end do
       do k = self%count + 1, at%count
@@ -452,14 +455,18 @@ contains
       if (self%bend > 0 .and. j > m + 3) change(j - m - 3) = 1.0_wp
    end subroutine columns_of
 
-   !> Rates of the deflections.
-   pure subroutine bend_rate(self, kinematics, rate)
+   !> Rates of vectors and deflections.
+   pure subroutine find_speeds(self, kinematics, speed, sway)
       class(function_constraint_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
-      real(wp), intent(out) :: rate(most_bends)
-      rate = 0.0_wp
-      if (self%bend > 0) rate(:size(kinematics%bends(self%bend)%rate)) = kinematics%bends(self%bend)%rate
-   end subroutine bend_rate
+      real(wp), intent(out) :: speed(2, most_vectors), sway(most_bends)
+      integer :: j
+      do j = 1, self%vectors
+         speed(:, j) = kinematics%markers(self%markers(j))%velocity
+      end do
+      sway = 0.0_wp
+      if (self%bend > 0) sway(:size(kinematics%bends(self%bend)%rate)) = kinematics%bends(self%bend)%rate
+   end subroutine find_speeds
 
    !> Which of the two bodies moves a vector; 0: none.
    pure integer function side_of(self, kinematics, vector) result(side)

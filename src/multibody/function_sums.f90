@@ -4,15 +4,14 @@ module limber_multibody_function_sums
    use limber_base_kinds, only: wp
    use limber_model_model, only: joint_type, term_type, ground, coordinate_angle, coordinate_joint_angle
    use limber_multibody_function_constraints, only: function_constraint_type, linear_type, most_vectors
-   use limber_multibody_joint_functions, only: joint_function_type, measure_component, measure_along, measure_cross, &
-      & measure_distance, &
-      & measure_angle, measure_slope
    use limber_multibody_marker_registry, only: registry_type, marker_of, direction_of, frame_direction, angle_of, guessed_angle, &
       & guessed_turn, guessed_position
+   use limber_multibody_scalar_functions, only: scalar_function_type, scalar_component, scalar_along, scalar_cross, &
+      & scalar_distance, scalar_turn, scalar_slope
    implicit none
    private
-   public :: add_coordinate, add_section_angle, add_displacement, add_parallel, add_component, add_distance, add_measure, vector, &
-      & take_measures, find_bodies, guessed_distance, guessed_place
+   public :: add_coordinate, add_section_angle, add_displacement, add_parallel, add_component, add_distance, add_scalar, &
+      & take_functions, find_bodies, guessed_distance, guessed_place
 
 contains
 
@@ -26,8 +25,8 @@ contains
       select case (term%kind)
       case (coordinate_angle)
          direction = frame_direction(system, term%of, 0.0_wp)
-         call add_measure(item, joint_function_type(kind=measure_angle, vectors=[vector(item, direction), 0, 0], &
-            & angle=angle_of(system, 0, direction)), term%coefficient, 1)
+         call add_scalar(item, scalar_function_type(kind=scalar_turn, markers=[direction, 0, 0], &
+            & angles=[angle_of(system, 0, direction), 0]), term%coefficient, 1)
          sum = sum + term%coefficient*guessed_turn(system, term%of)
       case (coordinate_joint_angle)
          associate (points => system%model%joints(term%of)%points)
@@ -53,23 +52,22 @@ contains
       integer :: direction
       if (system%model%points(point)%body == ground) return
       direction = direction_of(system, point, 0.0_wp)
-      call add_measure(item, joint_function_type(kind=measure_angle, vectors=[vector(item, direction), 0, 0], &
-         & angle=angle_of(system, 0, direction)), coefficient, 1)
+      call add_scalar(item, scalar_function_type(kind=scalar_turn, markers=[direction, 0, 0], &
+         & angles=[angle_of(system, 0, direction), 0]), coefficient, 1)
       sum = sum + coefficient*guessed_angle(system, 0, direction)
    end subroutine add_section_angle
 
-   !> Adds the place of the first point of a joint along a line through the second, at an angle in the second section. Measures
-   !> of one kind stand in one row each, unless the row is given.
+   !> Adds the place of the first point of a joint along a line through the second, at an angle in the second section.
    subroutine add_displacement(system, item, joint, angle, coefficient)
       class(registry_type), intent(inout) :: system
       type(linear_type), intent(inout) :: item
       type(joint_type), intent(in) :: joint
       real(wp), intent(in) :: angle, coefficient
-      integer :: vectors(3)
-      vectors(1) = vector(item, marker_of(system, joint%points(1)))
-      vectors(2) = vector(item, marker_of(system, joint%points(2)))
-      vectors(3) = vector(item, direction_of(system, joint%points(2), angle))
-      call add_measure(item, joint_function_type(kind=measure_along, vectors=vectors), coefficient, 1)
+      integer :: markers(3)
+      markers(1) = marker_of(system, joint%points(1))
+      markers(2) = marker_of(system, joint%points(2))
+      markers(3) = direction_of(system, joint%points(2), angle)
+      call add_scalar(item, scalar_function_type(kind=scalar_along, markers=markers), coefficient, 1)
    end subroutine add_displacement
 
    !> Adds the equation that a section of the first body has a given angle from that of the second: of lengths.
@@ -84,8 +82,7 @@ contains
       angle = joint%turn
       if (.not. joint%has_turn) angle = guessed_angle(system, 0, first) - guessed_section(system, joint%points(2))
       second = direction_of(system, joint%points(2), angle)
-      call add_measure(item, joint_function_type(kind=measure_cross, vectors=[vector(item, second), vector(item, first), 0]), &
-         & system%model%length, row)
+      call add_scalar(item, scalar_function_type(kind=scalar_cross, markers=[second, first, 0]), system%model%length, row)
       call add_slope(system, item, joint%points(1), system%model%length, row)
       call add_slope(system, item, joint%points(2), -system%model%length, row)
    end subroutine add_parallel
@@ -96,15 +93,14 @@ contains
       type(linear_type), intent(inout) :: item
       integer, intent(in) :: point, row
       real(wp), intent(in) :: coefficient
-      integer :: vectors(3), body
+      integer :: markers(3), body
       body = system%model%points(point)%body
       if (body == ground) return
       if (system%model%points(point)%exact .or. .not. any(abs(system%model%points(point)%psi) > 0.0_wp)) return
-      vectors = 0
-      vectors(1) = vector(item, frame_direction(system, body, 0.0_wp))
-      vectors(2) = vector(item, direction_of(system, point, 0.0_wp))
-      call add_measure(item, joint_function_type(kind=measure_slope, vectors=vectors), &
-         & coefficient/3, row)
+      markers(1) = frame_direction(system, body, 0.0_wp)
+      markers(2) = direction_of(system, point, 0.0_wp)
+      markers(3) = 0
+      call add_scalar(item, scalar_function_type(kind=scalar_slope, markers=markers), coefficient/3, row)
    end subroutine add_slope
 
    !> Adds the distance along an axis of space from the second point to the first; without the second (0), from the origin.
@@ -113,35 +109,40 @@ contains
       type(linear_type), intent(inout) :: item
       integer, intent(in) :: points(2), row
       real(wp), intent(in) :: axis(2)
-      integer :: vectors(3)
-      vectors = 0
-      vectors(1) = vector(item, marker_of(system, points(1)))
-      if (points(2) > 0) vectors(2) = vector(item, marker_of(system, points(2)))
-      call add_measure(item, joint_function_type(kind=measure_component, vectors=vectors, axis=axis), 1.0_wp, row)
+      integer :: markers(3)
+      markers = 0
+      markers(1) = marker_of(system, points(1))
+      if (points(2) > 0) markers(2) = marker_of(system, points(2))
+      call add_scalar(item, scalar_function_type(kind=scalar_component, markers=markers, axis=axis), 1.0_wp, row)
    end subroutine add_component
 
    subroutine add_distance(system, item, points, row)
       class(registry_type), intent(inout) :: system
       type(linear_type), intent(inout) :: item
       integer, intent(in) :: points(2), row
-      integer :: vectors(3)
-      vectors = 0
-      vectors(1) = vector(item, marker_of(system, points(1)))
-      vectors(2) = vector(item, marker_of(system, points(2)))
-      call add_measure(item, joint_function_type(kind=measure_distance, vectors=vectors), 1.0_wp, row)
+      integer :: markers(3)
+      markers(1) = marker_of(system, points(1))
+      markers(2) = marker_of(system, points(2))
+      markers(3) = 0
+      call add_scalar(item, scalar_function_type(kind=scalar_distance, markers=markers), 1.0_wp, row)
    end subroutine add_distance
 
-   !> Adds a measure with its coefficient in one row.
-   subroutine add_measure(item, measure, coefficient, row)
+   !> Adds a scalar function with its coefficient in one row; its markers become vectors of the constraint.
+   subroutine add_scalar(item, scalar, coefficient, row)
       type(linear_type), intent(inout) :: item
-      type(joint_function_type), intent(in) :: measure
+      type(scalar_function_type), intent(in) :: scalar
       real(wp), intent(in) :: coefficient
       integer, intent(in) :: row
+      integer :: j
       item%count = item%count + 1
-      item%measures(item%count) = measure
+      item%functions(item%count) = scalar
+      do j = 1, 3
+         item%functions(item%count)%vectors(j) = 0
+         if (scalar%markers(j) > 0) item%functions(item%count)%vectors(j) = vector(item, scalar%markers(j))
+      end do
       item%coefficients(row, item%count) = coefficient
       item%rows = max(item%rows, row)
-   end subroutine add_measure
+   end subroutine add_scalar
 
    !> Place of a marker among the vectors of a constraint; a new one if it is not there yet.
    integer function vector(item, marker)
@@ -154,16 +155,16 @@ contains
       if (vector <= most_vectors) item%markers(vector) = marker
    end function vector
 
-   !> The measures of one constraint for another.
-   subroutine take_measures(from, to)
+   !> The scalar functions of one constraint for another.
+   subroutine take_functions(from, to)
       type(linear_type), intent(in) :: from
       class(function_constraint_type), intent(inout) :: to
       to%rows = 1
       to%vectors = from%vectors
       to%markers = from%markers
       to%count = from%count
-      to%measures = from%measures
-   end subroutine take_measures
+      to%functions = from%functions
+   end subroutine take_functions
 
    !> The bodies of a constraint, from its vectors.
    subroutine find_bodies(system, item)

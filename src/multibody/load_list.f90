@@ -1,5 +1,5 @@
-!> Builder of the loads from the model. Markers, gauges and followed angles that they need, and the bodies that they act on or
-!> depend on. Floor: multibody. Source: doc/theory, eqs. (3.31)-(3.37), (3.39).
+!> Builder of the loads from the model. Markers, scalar functions and followed angles that they need, and the bodies that they act
+!> on or depend on. Floor: multibody. Source: doc/theory, eqs. (3.31)-(3.37), (3.39).
 module limber_multibody_load_list
    use limber_base_kinds, only: wp
    use limber_model_quantities, only: quantity_x, quantity_y, quantity_vx, quantity_vy, quantity_angle, quantity_spin, &
@@ -8,12 +8,12 @@ module limber_multibody_load_list
    use limber_model_model, only: load_part_type, quantity_type, ground, along_axis, along_follower, along_distance, &
       & along_slide, along_angle, own_elongation, own_rate
    use limber_multibody_force_elements, only: force_element_type
-   use limber_multibody_load_functions, only: load_function_type, compare_gauges, gauge_shift, gauge_distance, gauge_slide, &
-      & gauge_angle
    use limber_multibody_load, only: load_type, load_item_type, dead_force_type, body_torque_type
    use limber_multibody_marker_registry, only: registry_type, marker_of, direction_of, angle_of, frame_point, &
       & guessed_position
    use limber_multibody_plane_vectors, only: axis_of
+   use limber_multibody_scalar_functions, only: scalar_function_type, compare_functions, scalar_component, scalar_distance, &
+      & scalar_along, scalar_turn
    use limber_multibody_springs, only: point_spring_type
    implicit none
    private
@@ -138,22 +138,22 @@ contains
       may_resist = part%along /= along_follower .and. (part%stiffness > 0.0_wp .or. (part%driven .and. .not. part%is_of_time()))
    end function may_resist
 
-   !> A force element: its gauges, and the bodies that these are on.
+   !> A force element: its scalar functions, and the bodies that these are on.
    subroutine add_element(system, part, item)
       class(registry_type), intent(inout) :: system
       type(load_part_type), intent(in) :: part
       class(load_type), allocatable, intent(out) :: item
       type(force_element_type) :: element
-      type(load_function_type) :: gauge
+      type(scalar_function_type) :: scalar
       integer :: k
       element%follower = part%along == along_follower
       element%stiffness = part%stiffness
       element%damping = part%damping
       element%factor = part%factor
       element%driven = part%driven
-      allocate (element%gauges(0), element%bodies(0), element%slots(0), element%by_rate(0))
-      call own_gauge(system, part, gauge)
-      call include_gauge(system, gauge, element%gauges, element%bodies, k)
+      allocate (element%functions(0), element%bodies(0), element%slots(0), element%by_rate(0))
+      call own_function(system, part, scalar)
+      call include_function(system, scalar, element%functions, element%bodies, k)
       if (part%driven) call read_law(system, part, element)
       element%powered = part%damping > 0.0_wp .or. (part%driven .and. .not. element%stores)
       allocate (element%points(size(element%bodies)), source=0)
@@ -180,7 +180,8 @@ contains
       element%stores = element%potential .and. all(part%quantities%kind == own_elongation)
    end subroutine read_law
 
-   !> Whether the law of a force element depends on nothing but the gauge that it acts along, whatever name the deck has for that.
+   !> Whether the law of a force element depends on nothing but the function that it acts along, whatever name the deck
+   !> has for that.
    subroutine find_potential(element)
       type(force_element_type), intent(inout) :: element
       integer :: k
@@ -188,7 +189,7 @@ contains
       element%potential = size(element%slots) > 0 .and. .not. element%follower
       do k = 1, size(element%slots)
          if (element%potential) element%potential = element%slots(k) > 0 .and. .not. element%by_rate(k)
-         if (element%potential) call compare_gauges(element%gauges(1), element%gauges(element%slots(k)), element%sign(k), &
+         if (element%potential) call compare_functions(element%functions(1), element%functions(element%slots(k)), element%sign(k), &
             & element%shift(k), element%potential)
       end do
    end subroutine find_potential
@@ -200,60 +201,62 @@ contains
       type(quantity_type), intent(in) :: quantity
       type(force_element_type), intent(inout) :: element
       integer, intent(in) :: slot
-      type(load_function_type) :: gauge
+      type(scalar_function_type) :: scalar
       element%by_rate(slot) = .false.
       element%slots(slot) = 0
       if (quantity%kind == 0) return
       if (quantity%kind < 0) then
-         call own_gauge(system, part, gauge)
+         call own_function(system, part, scalar)
          element%by_rate(slot) = quantity%kind == own_rate
       else
-         call quantity_gauge(system, quantity, gauge, element%by_rate(slot))
+         call quantity_function(system, quantity, scalar, element%by_rate(slot))
       end if
-      call include_gauge(system, gauge, element%gauges, element%bodies, element%slots(slot))
+      call include_function(system, scalar, element%functions, element%bodies, element%slots(slot))
    end subroutine read_slot
 
-   !> The gauge that a part of a load acts along.
-   subroutine own_gauge(system, part, gauge)
+   !> The scalar function that a part of a load acts along.
+   subroutine own_function(system, part, scalar)
       class(registry_type), intent(inout) :: system
       type(load_part_type), intent(in) :: part
-      type(load_function_type), intent(out) :: gauge
+      type(scalar_function_type), intent(out) :: scalar
       integer :: k
-      gauge%origin = part%origin
+      scalar%origin = part%origin
       if (part%along == along_angle) then
-         gauge%kind = gauge_angle
+         scalar%kind = scalar_turn
          do k = 1, 2
             if (part%points(k) == 0) cycle
-            gauge%markers(k) = direction_of(system, part%points(k), 0.0_wp)
-            if (system%model%points(system%marker_points(gauge%markers(k)))%body == ground) cycle
-            gauge%angles(k) = angle_of(system, 0, gauge%markers(k))
+            scalar%markers(k) = direction_of(system, part%points(k), 0.0_wp)
+            if (system%model%points(system%marker_points(scalar%markers(k)))%body == ground) cycle
+            scalar%angles(k) = angle_of(system, 0, scalar%markers(k))
          end do
          return
       end if
       do k = 1, 2
-         if (part%points(k) > 0) gauge%markers(k) = marker_of(system, part%points(k))
+         if (part%points(k) > 0) scalar%markers(k) = marker_of(system, part%points(k))
       end do
       select case (part%along)
       case (along_axis)
-         gauge%kind = gauge_shift
-         gauge%axis = axis_of(part%angle)
+         scalar%kind = scalar_component
+         scalar%axis = axis_of(part%angle)
       case (along_distance)
-         gauge%kind = gauge_distance
-         gauge%softening = softening_of(system, part)
+         scalar%kind = scalar_distance
+         scalar%softening = softening_of(system, part)
       case (along_follower)
-         gauge%kind = gauge_slide
-         gauge%markers(3) = direction_of(system, part%points(1), part%angle)
+         scalar%kind = scalar_along
+         scalar%unit = .true.
+         scalar%markers(3) = direction_of(system, part%points(1), part%angle)
       case (along_slide)
-         gauge%kind = gauge_slide
-         gauge%markers(3) = direction_of(system, part%points(2), part%angle)
+         scalar%kind = scalar_along
+         scalar%unit = .true.
+         scalar%markers(3) = direction_of(system, part%points(2), part%angle)
       end select
-   end subroutine own_gauge
+   end subroutine own_function
 
-   !> The gauge of a quantity, and whether its rate is meant.
-   subroutine quantity_gauge(system, quantity, gauge, by_rate)
+   !> The scalar function of a quantity, and whether its rate is meant.
+   subroutine quantity_function(system, quantity, scalar, by_rate)
       class(registry_type), intent(inout) :: system
       type(quantity_type), intent(in) :: quantity
-      type(load_function_type), intent(out) :: gauge
+      type(scalar_function_type), intent(out) :: scalar
       logical, intent(out) :: by_rate
       type(load_part_type) :: like
       by_rate = .false.
@@ -282,38 +285,38 @@ contains
          like = system%model%load_parts(system%model%loads(quantity%of)%first)
          by_rate = quantity%kind == quantity_rate
       end select
-      call own_gauge(system, like, gauge)
-   end subroutine quantity_gauge
+      call own_function(system, like, scalar)
+   end subroutine quantity_function
 
-   !> Adds a gauge to a list, unless it is there, and the bodies of its markers to another.
-   subroutine include_gauge(system, gauge, gauges, bodies, found)
+   !> Adds a scalar function to a list, unless it is there, and the bodies of its markers to another.
+   subroutine include_function(system, scalar, functions, bodies, found)
       class(registry_type), intent(in) :: system
-      type(load_function_type), intent(inout) :: gauge
-      type(load_function_type), allocatable, intent(inout) :: gauges(:)
+      type(scalar_function_type), intent(inout) :: scalar
+      type(scalar_function_type), allocatable, intent(inout) :: functions(:)
       integer, allocatable, intent(inout) :: bodies(:)
       !> Index in the list
       integer, intent(out) :: found
-      type(load_function_type), allocatable :: longer(:)
+      type(scalar_function_type), allocatable :: longer(:)
       integer :: m, body, part
-      do found = 1, size(gauges)
-         if (gauges(found)%kind == gauge%kind .and. all(gauges(found)%markers == gauge%markers) &
-            & .and. .not. (any(abs(gauges(found)%axis - gauge%axis) > 0.0_wp) &
-            & .or. abs(gauges(found)%origin - gauge%origin) > 0.0_wp)) return
+      do found = 1, size(functions)
+         if (functions(found)%kind == scalar%kind .and. all(functions(found)%markers == scalar%markers) &
+            & .and. .not. (any(abs(functions(found)%axis - scalar%axis) > 0.0_wp) &
+            & .or. abs(functions(found)%origin - scalar%origin) > 0.0_wp)) return
       end do
       do m = 1, 3
-         if (gauge%markers(m) == 0) cycle
-         body = system%model%points(system%marker_points(gauge%markers(m)))%body
+         if (scalar%markers(m) == 0) cycle
+         body = system%model%points(system%marker_points(scalar%markers(m)))%body
          if (body == ground) cycle
          do part = 1, size(bodies)
             if (bodies(part) == body) exit
          end do
          if (part > size(bodies)) bodies = [bodies, body]
-         gauge%parts(m) = part
+         scalar%parts(m) = part
       end do
       allocate (longer(found))
-      longer(:found - 1) = gauges
-      longer(found) = gauge
-      call move_alloc(longer, gauges)
-   end subroutine include_gauge
+      longer(:found - 1) = functions
+      longer(found) = scalar
+      call move_alloc(longer, functions)
+   end subroutine include_function
 
 end module limber_multibody_load_list

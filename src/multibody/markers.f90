@@ -9,7 +9,7 @@ module limber_multibody_markers
    implicit none
    private
    public :: add_marker, marker_drift, marker_stiffness, marker_column, drift_column
-   public :: angle_gradient, angle_hessian, angle_change, vector_angle_gradient, vector_angle_hessian
+   public :: angle_change, vector_angle_gradient, vector_angle_hessian
 
 contains
 
@@ -177,18 +177,8 @@ contains
       change = atan2(cross(vector - half, vector + half), dot_product(vector - half, vector + half))
    end function angle_change
 
-   !> Derivative of an angle by its vector, J w/(w.w): the weight of the marker that the vector leads to, and minus that of the
-   !> other. Over a step the multiple of J w of the mean that makes the change of the angle, eq. (3.9).
-   pure function angle_gradient(kinematics, angle) result(gradient)
-      type(kinematics_type), intent(in) :: kinematics
-      !> Index of the angle
-      integer, intent(in) :: angle
-      real(wp) :: gradient(2), vector(2), rate(2)
-      call angle_vector(kinematics, angle, vector, rate)
-      gradient = vector_angle_gradient(vector, rate, kinematics%span)
-   end function angle_gradient
-
-   !> The same of the angle of any vector.
+   !> Derivative of the angle of a vector by it, J w/(w.w). Over a step the multiple of J w of the mean that makes the change of
+   !> the angle, eq. (3.9).
    pure function vector_angle_gradient(vector, rate, span) result(gradient)
       !> The vector and its rate; over a step of length `span` their mean and increment over it
       real(wp), intent(in) :: vector(2), rate(2), span
@@ -209,17 +199,7 @@ contains
       gradient = ratio*turn(vector)
    end function vector_angle_gradient
 
-   !> Second derivatives of an angle by its vector, -(w (J w)^T + J w w^T)/(w.w)^2.
-   pure function angle_hessian(kinematics, angle) result(hessian)
-      type(kinematics_type), intent(in) :: kinematics
-      !> Index of the angle
-      integer, intent(in) :: angle
-      real(wp) :: hessian(2, 2), vector(2), rate(2)
-      call angle_vector(kinematics, angle, vector, rate)
-      hessian = vector_angle_hessian(vector)
-   end function angle_hessian
-
-   !> The same of the angle of any vector.
+   !> Second derivatives of the angle of a vector by it, -(w (J w)^T + J w w^T)/(w.w)^2.
    pure function vector_angle_hessian(vector) result(hessian)
       real(wp), intent(in) :: vector(2)
       real(wp) :: hessian(2, 2), along(2), across(2)

@@ -7,8 +7,8 @@ module limber_multibody_motion_laws
    use limber_deck_range, only: range_type, law_range_over
    use limber_multibody_force_elements, only: force_element_type, max_slots
    use limber_multibody_bounds, only: bound_cubic, bound_length
-   use limber_multibody_load_functions, only: gauge_angle, gauge_distance
    use limber_multibody_kinematics, only: kinematics_type
+   use limber_multibody_scalar_functions, only: scalar_turn, scalar_distance
    use limber_multibody_system, only: system_type
    implicit none
    private
@@ -19,7 +19,7 @@ module limber_multibody_motion_laws
    !> Watched laws at a moment
    type :: moment_type
       real(wp) :: t = 0.0_wp
-      !> Slots, or the gauges of slots that are rates, and their rates (slots, laws)
+      !> Slots, or the functions of slots that are rates, and their rates (slots, laws)
       real(wp), allocatable :: place(:, :), rate(:, :)
       !> Of those that are distances: the vector, and its rate (2, slots, laws)
       real(wp), allocatable :: gap(:, :, :), drift(:, :, :)
@@ -78,7 +78,7 @@ contains
             moment%speed(i) = 0.0_wp
             do k = 1, size(load%slots)
                if (load%slots(k) > 0) moment%speed(i) = max(moment%speed(i), abs(moment%rate(k, i))* &
-                  & merge(system%model%length, 1.0_wp, load%gauges(max(1, load%slots(k)))%kind == gauge_angle))
+                  & merge(system%model%length, 1.0_wp, load%functions(max(1, load%slots(k)))%kind == scalar_turn))
                line(k) = jet_type(moment%place(k, i), moment%rate(k, i), 0.0_wp)
                if (load%by_rate(k)) line(k) = jet_type(moment%rate(k, i), 0.0_wp, 0.0_wp)
             end do
@@ -150,9 +150,9 @@ contains
             low(k) = a%t
             high(k) = b%t
             if (load%slots(k) == 0) cycle
-            associate (gauge => load%gauges(load%slots(k)), h => b%t - a%t)
-               if (gauge%kind == gauge_distance) then
-                  call bound_length(h, a%gap(:, k, law), a%drift(:, k, law), b%gap(:, k, law), b%drift(:, k, law), gauge%origin, &
+            associate (scalar => load%functions(load%slots(k)), h => b%t - a%t)
+               if (scalar%kind == scalar_distance) then
+                  call bound_length(h, a%gap(:, k, law), a%drift(:, k, law), b%gap(:, k, law), b%drift(:, k, law), scalar%origin, &
                      & load%by_rate(k), low(k), high(k))
                else
                   call bound_cubic(h, a%place(k, law), a%rate(k, law), b%place(k, law), b%rate(k, law), load%by_rate(k), low(k), &
@@ -216,7 +216,7 @@ contains
                change = few*abs(place)
                if (load%slots(k) > 0) then
                   scale = system%model%length
-                  if (load%gauges(load%slots(k))%kind == gauge_angle) scale = 1.0_wp
+                  if (load%functions(load%slots(k))%kind == scalar_turn) scale = 1.0_wp
                   change = share*tolerance*scale + few*(abs(place) + scale)
                   if (load%by_rate(k)) then
                      low(k) = rate
@@ -248,9 +248,9 @@ contains
                & length => system%model%length)
                inertia = own(4)
                if (own(1) > 0.0_wp) inertia = inertia - dot_product(own(2:3), own(2:3))/own(1)
-               if (own(1) > 0.0_wp .and. item%gauges(1)%kind /= gauge_angle) effect = effect + 1/own(1)
+               if (own(1) > 0.0_wp .and. item%functions(1)%kind /= scalar_turn) effect = effect + 1/own(1)
                if (inertia > 1.0e-12_wp*own(4)) effect = effect + length*merge(1.0_wp, body%size, &
-                  & item%gauges(1)%kind == gauge_angle)/inertia
+                  & item%functions(1)%kind == scalar_turn)/inertia
                if (allocated(body%reduced%omega2)) then
                   if (size(body%reduced%omega2) > 0) effect = effect + body%largest_shape**2
                end if
@@ -291,7 +291,7 @@ contains
          do k = 1, size(load%slots)
             if (load%slots(k) == 0 .or. load%by_rate(k)) cycle
             change = abs(b%rate(k, law) - a%rate(k, law))
-            if (load%gauges(load%slots(k))%kind /= gauge_angle) change = change/system%model%length
+            if (load%functions(load%slots(k))%kind /= scalar_turn) change = change/system%model%length
             turn = max(turn, change)
          end do
          change = abs(b%force(law) - a%force(law)) + min(beyond, 1.0e30_wp*(1 + abs(b%force(law))))

@@ -7,9 +7,9 @@ module limber_multibody_path_constraints
    use limber_beam_beam_mesh, only: displacement_field_type
    use limber_model_curve, only: curve_type
    use limber_multibody_beam_path, only: beam_path_type
-   use limber_multibody_function_constraints, only: function_constraint_type, variables_type, most_vectors
+   use limber_multibody_function_constraints, only: function_constraint_type, variables_type
    use limber_multibody_kinematics, only: kinematics_type
-   use limber_multibody_joint_functions, only: measure_value
+   use limber_multibody_scalar_functions, only: read_function
    implicit none
    private
    public :: curve_joint_type, sliding_type, set_line
@@ -53,26 +53,14 @@ contains
       type(kinematics_type), intent(in) :: kinematics
       !> [length]
       real(wp), intent(out) :: place(2)
-      !> [length/time]: by differences that are exact for measures of two vectors
+      !> [length/time]
       real(wp), intent(out), optional :: rate(2)
-      real(wp) :: y(2, most_vectors), v(2, most_vectors), s, fastest
+      real(wp) :: speed(2), weights(2, 3)
       integer :: j
-      y = 0.0_wp
-      v = 0.0_wp
-      do j = 1, self%vectors
-         y(:, j) = kinematics%markers(self%markers(j))%position
+      do j = 1, 2
+         call read_function(self%functions(j), kinematics, place(j), speed(j), weights)
       end do
-      place = [(measure_value(self%measures(j), y), j=1, 2)]
-      if (.not. present(rate)) return
-      rate = 0.0_wp
-      fastest = 0.0_wp
-      do j = 1, self%vectors
-         v(:, j) = kinematics%markers(self%markers(j))%velocity
-         fastest = max(fastest, maxval(abs(v(:, j))))
-      end do
-      if (.not. fastest > 0.0_wp) return
-      s = 1.0e-3_wp/fastest
-      rate = [(measure_value(self%measures(j), y + s*v) - measure_value(self%measures(j), y - s*v), j=1, 2)]/(2*s)
+      if (present(rate)) rate = speed
    end subroutine curve_place
 
    !> Shapes of a beam as splines of the coordinate along it: those across with the slopes of the field at both ends.

@@ -5,12 +5,12 @@ module limber_multibody_sliding_paths
    use limber_model_model, only: place_on_beam, joint_type
    use limber_multibody_beam_path, only: beam_path_type
    use limber_multibody_function_constraints, only: linear_type
-   use limber_multibody_function_sums, only: add_measure, vector, take_measures
-   use limber_multibody_joint_functions, only: joint_function_type, measure_along
+   use limber_multibody_function_sums, only: add_scalar, take_functions
    use limber_multibody_marker_registry, only: registry_type, marker_of, frame_marker, frame_direction, bend_of, guessed_position, &
       & guessed_turn
    use limber_multibody_path_constraints, only: sliding_type, set_line
    use limber_multibody_plane_vectors, only: cross
+   use limber_multibody_scalar_functions, only: scalar_function_type, scalar_along
    use limber_multibody_sliding_along_beam, only: exact_path_type, set_axis
    implicit none
    private
@@ -34,14 +34,13 @@ contains
       type(exact_path_type) :: exact
       type(sliding_type) :: line
       type(linear_type) :: axes
-      integer :: markers(2), side, direction, body
+      integer :: markers(3), side, body
       body = system%model%points(joint%points(2))%body
-      markers = [marker_of(system, joint%points(1)), 0]
+      markers(1) = marker_of(system, joint%points(1))
       markers(2) = frame_marker(system, body)
       do side = 1, 2
-         direction = frame_direction(system, body, (side - 1)*right_angle)
-         call add_measure(axes, joint_function_type(kind=measure_along, &
-            & vectors=[vector(axes, markers(1)), vector(axes, markers(2)), vector(axes, direction)]), 1.0_wp, 1)
+         markers(3) = frame_direction(system, body, (side - 1)*right_angle)
+         call add_scalar(axes, scalar_function_type(kind=scalar_along, markers=markers), 1.0_wp, 1)
       end do
       if (system%model%bodies(body)%reduced%is_exact) then
          call set_axis(exact, system%model%bodies(body)%reduced%exact)
@@ -50,7 +49,7 @@ contains
          call set_line(line, system%model%bodies(body)%field, system%model%bodies(body)%choice%origin)
          allocate (path, source=line)
       end if
-      call take_measures(axes, path)
+      call take_functions(axes, path)
       if (system%layout%n(body) > 0) path%bend = bend_of(system, body)
       path%start = system%model%points(joint%points(2))%along
       path%bodies = [system%model%points(joint%points(1))%body, body]

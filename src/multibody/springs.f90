@@ -1,4 +1,5 @@
-!> Springs and dampers. Loads that store energy, with dampers beside. Floor: multibody. Source: doc/theory.
+!> Springs and dampers between two points. A force element along a distance, without a law, in closed form for speed. Floor:
+!> multibody. Source: doc/theory, eqs. (3.31), (3.34), (5.27).
 module limber_multibody_springs
    use limber_base_kinds, only: wp
    use limber_multibody_kinematics, only: kinematics_type
@@ -40,7 +41,7 @@ contains
       type(kinematics_type), intent(in) :: kinematics
       real(wp), intent(inout) :: force(:)
       real(wp) :: pull(2), gap(2), rate(2), length
-      call measure(self, kinematics, gap, rate, length)
+      call read_gap(self, kinematics, gap, rate, length)
       pull = spring_tension(self, kinematics)/length*gap + self%damping*(self%softening/length)**2*rate
       call add_marker(kinematics%markers(self%markers(1)), pull, force(:self%rates(1)))
       call add_marker(kinematics%markers(self%markers(2)), -pull, force(self%rates(1) + 1:))
@@ -78,7 +79,7 @@ contains
       real(wp), intent(inout) :: stiffness(:, :)
       real(wp) :: gap(2), rate(2), length, column(2)
       integer :: i, j
-      call measure(self, kinematics, gap, rate, length)
+      call read_gap(self, kinematics, gap, rate, length)
       do j = 1, sum(self%rates)
          column = self%stiffness*gap_column(self, kinematics, j)
          if (self%free_length > 0.0_wp) column = dot_product(gap, column)/length*gap/length
@@ -93,7 +94,7 @@ contains
       type(kinematics_type), intent(in) :: kinematics
       real(wp), intent(inout) :: sum
       real(wp) :: gap(2), rate(2), length
-      call measure(self, kinematics, gap, rate, length)
+      call read_gap(self, kinematics, gap, rate, length)
       sum = sum + 0.5_wp*self%stiffness*(length - self%free_length)**2
    end subroutine spring_add_energy
 
@@ -103,7 +104,7 @@ contains
       type(kinematics_type), intent(in) :: kinematics
       real(wp), intent(inout) :: sum
       real(wp) :: gap(2), rate(2), length
-      call measure(self, kinematics, gap, rate, length)
+      call read_gap(self, kinematics, gap, rate, length)
       sum = sum - self%damping*((dot_product(gap, rate)/length)**2 + (self%softening/length)**2*dot_product(rate, rate))
    end subroutine spring_add_power
 
@@ -123,7 +124,7 @@ contains
       class(point_spring_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
       real(wp) :: gap(2), rate(2), length
-      call measure(self, kinematics, gap, rate, length)
+      call read_gap(self, kinematics, gap, rate, length)
       tension = self%stiffness*(length - self%free_length) + self%damping*dot_product(gap, rate)/length
    end function spring_tension
 
@@ -142,14 +143,14 @@ contains
       type(kinematics_type), intent(in) :: kinematics
       real(wp), intent(out) :: elongation, rate
       real(wp) :: gap(2), gap_rate(2), length
-      call measure(self, kinematics, gap, gap_rate, length)
+      call read_gap(self, kinematics, gap, gap_rate, length)
       elongation = length - self%free_length
       rate = dot_product(gap, gap_rate)/length
    end subroutine spring_stretch
 
    !> Gap, its rate and the softened length. Over a step the length is the mean of those at both ends, with which the pull along
    !> the mean gap is the discrete gradient of the energy: doc/theory, eq. (5.27).
-   pure subroutine measure(self, kinematics, gap, rate, length)
+   pure subroutine read_gap(self, kinematics, gap, rate, length)
       class(point_spring_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
       real(wp), intent(out) :: gap(2), rate(2), length
@@ -162,7 +163,7 @@ contains
       else
          length = softened(self, gap)
       end if
-   end subroutine measure
+   end subroutine read_gap
 
    !> Softened length of a gap.
    pure real(wp) function softened(self, gap) result(length)
@@ -178,7 +179,7 @@ contains
       real(wp), intent(out) :: pull(2), by_gap(2, 2), by_rate(2, 2)
       real(wp) :: gap(2), rate(2), length, along, drag, factor, core
       integer :: i, j
-      call measure(self, kinematics, gap, rate, length)
+      call read_gap(self, kinematics, gap, rate, length)
       drag = self%damping/length**2
       along = dot_product(gap, rate)
       factor = self%stiffness*(1 - self%free_length/length) + drag*along

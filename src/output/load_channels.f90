@@ -64,7 +64,7 @@ contains
       force = 0.0_wp
       select type (load)
       type is (force_element_type)
-         call load%measure(kinematics, elongation, rate, push, weights)
+         call load%force_along(kinematics, elongation, rate, push, weights)
          force = push*weights(:, 1)
       end select
    end function load_vector

@@ -104,7 +104,7 @@ contains
       is_within = .false.
       select type (item)
       class is (force_element_type)
-         if (.not. item%follower) is_within = are_apart(pulls, system, pack(item%gauges(1)%markers, item%gauges(1)%parts > 0))
+         if (.not. item%follower) is_within = are_apart(pulls, system, pack(item%functions(1)%markers, item%functions(1)%parts > 0))
       end select
    end function is_within
 
@@ -143,7 +143,7 @@ contains
          if (.not. self%load(i)) cycle
          select type (item => system%loads(i)%item)
          class is (force_element_type)
-            points = [points, self%point(pack(item%gauges(1)%markers, item%gauges(1)%parts > 0))]
+            points = [points, self%point(pack(item%functions(1)%markers, item%functions(1)%parts > 0))]
          end select
       end do
       points = pack(points, points > 0)
@@ -181,12 +181,12 @@ contains
       count = 0
       select type (item)
       class is (force_element_type)
-         call item%measure(work%kinematics, value, rate, push, weights)
+         call item%force_along(work%kinematics, value, rate, push, weights)
          if (item%is_scaled) push = item%share*push
          do m = 1, 3
-            if (item%gauges(1)%parts(m) == 0) cycle
+            if (item%functions(1)%parts(m) == 0) cycle
             count = count + 1
-            pulls(count) = pull_at(self, work, item%gauges(1)%markers(m), push*weights(:, m))
+            pulls(count) = pull_at(self, work, item%functions(1)%markers(m), push*weights(:, m))
          end do
       end select
    end subroutine load_pulls

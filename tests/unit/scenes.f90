@@ -1,4 +1,4 @@
-!> Scenes built in code, without a deck, and what the tests of the kernels share: repeatable random numbers, laws in time,
+!> Scenes built in code, without a deck, and what the tests of the equations share: repeatable random numbers, laws in time,
 !> stencils and Gauss points of their own, and a slider-crank.
 module scenes
    use limber_base_error, only: error_type

@@ -1,6 +1,6 @@
-!> Efforts: every load of the deck that is more than a time law or a linear spring. Derivatives of the forces against differences,
-!> power against the rate of the energy, at random states; reactions; a discrete gradient over finite steps; bad decks.
-program test_efforts
+!> Force elements: every load of the deck that is more than a time law or a linear spring. Derivatives of the forces against
+!> differences, power against the rate of the energy, at random states; reactions; a discrete gradient over finite steps; bad decks.
+program test_force_elements
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
    use limber_base_text, only: newline
@@ -154,14 +154,14 @@ contains
             unit(j) = 1.0_wp
             column = 0.0_wp
             call times_stiffness(system, tangent, 1.0_wp, unit, column)
-            call check(maxval(abs(column - difference)) <= 1.0e-8_wp*largest, 'stiffness of efforts')
+            call check(maxval(abs(column - difference)) <= 1.0e-8_wp*largest, 'stiffness of force elements')
             do k = -2, 2
                call residual_at(system, work, q, w, a, j, 0.0_wp, k*h, motion(:, k))
             end do
             difference = derivative(motion(:, -2), motion(:, -1), motion(:, 1), motion(:, 2), h)
             call combine(tangent, (0.0_wp, 0.0_wp), (1.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), .false.)
             column = matmul(dense(tangent, n), unit)
-            call check(maxval(abs(column - difference)) <= 1.0e-9_wp*largest, 'damping of efforts')
+            call check(maxval(abs(column - difference)) <= 1.0e-9_wp*largest, 'damping of force elements')
          end do
          deallocate (q, w)
       end do
@@ -405,4 +405,4 @@ contains
       if (index(diagnostics%render(deck%source), message) == 0) print '(a)', diagnostics%render(deck%source)
    end subroutine complains
 
-end program test_efforts
+end program test_force_elements

@@ -1,7 +1,7 @@
 !> Every joint and driver between every kind of bodies, at random states that keep no constraint: Jacobian, velocity and
 !> acceleration equations, drift and stiffness against differences of the residual; over steps of any length the Jacobian of the
 !> mean against the change of the residual.
-program test_kernels
+program test_function_constraints
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
    use limber_base_spline, only: new_spline, spline_clamped, spline_closed, spline_natural, spline_segment, spline_type
@@ -563,4 +563,4 @@ contains
       end do
    end subroutine compare
 
-end program test_kernels
+end program test_function_constraints

@@ -183,8 +183,8 @@ contains
       end do
    end subroutine find_bodies
 
-   !> Angle of an undeformed section in the first guess, at a point of a frame of exact beams that of the frame; nought of the ground
-   !> and of a point mass.
+   !> Angle of an undeformed section in the first guess, at a point of a frame of exact beams that of the frame; nought of the
+   !> ground and of a point mass.
    real(wp) function guessed_section(system, point) result(angle)
       class(registry_type), intent(in) :: system
       integer, intent(in) :: point

@@ -174,7 +174,7 @@ contains
       logical :: same, swapped
       sign = 0.0_wp
       shift = 0.0_wp
-      alike = one%kind == other%kind .and. (one%unit .eqv. other%unit) .and. .not. abs(one%softening - other%softening) > 0.0_wp
+      alike = one%kind == other%kind .and. (one%unit .eqv. other%unit)
       if (.not. alike) return
       same = all(one%markers == other%markers)
       swapped = all(one%markers(1:2) == other%markers(2:1:-1))

@@ -183,6 +183,11 @@ contains
       other%markers(1:2) = other%markers(2:1:-1)
       call compare_functions(functions(6), other, sign, shift, alike)
       call check(alike .and. sign > 0.0_wp, 'a distance has no direction')
+      other%origin = 1.0_wp
+      other%softening = 0.4_wp
+      call compare_functions(functions(6), other, sign, shift, alike)
+      call check(alike, 'springs of two free lengths between two points, whose softening follows from these')
+      call check_close(shift, -0.3_wp, 1.0e-15_wp, 'what their elongations differ by')
       call compare_functions(functions(2), functions(3), sign, shift, alike)
       call check(.not. alike, 'a direction of unit length is another')
       call compare_functions(functions(5), functions(6), sign, shift, alike)

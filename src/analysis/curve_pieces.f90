@@ -240,13 +240,16 @@ contains
       !> What the energy has changed by
       real(wp), intent(in) :: energy
       type(error_type), allocatable, intent(out) :: error
+      !> Way between two passages, in parts of the scene, that is round-off
+      real(wp), parameter :: still = 1.0e-9_wp
       type(curve_break_type) :: there
       real(wp) :: since, x, rate, turn
       associate (path => self%paths(self%which))
          there = path%breaks(merge(path%piece, path%piece + 1, self%upwards))
          call read_place(path, system, work, t, q, v, x, rate)
          since = t - path%last_time
-         if (abs(there%place - path%last) <= none*self%length .and. since < tight*path%long) then
+         if (abs(there%place - path%last) <= none*self%length .and. (since < tight*path%long &
+            & .or. abs(rate)*since < still*self%length)) then
             path%returns = path%returns + 1
          else
             path%returns = 0

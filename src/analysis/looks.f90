@@ -30,19 +30,33 @@ contains
       type(outcome_type), intent(inout) :: outcome
       !> Steps, and parts of the run, after which they are observed again; evaluations that lie between in any case
       integer, parameter :: steps = 32, parts = 50, evaluations = 24
-      real(wp) :: q(size(sample%q))
       if (size(outcome%indicators%bodies) + size(outcome%indicators%functions%beams) == 0) return
       if (integrator%statistics%steps < sample%next_step .and. integrator%t < sample%next_look) return
       if (scene%work%evaluations < sample%next_evaluation) return
       sample%next_evaluation = scene%work%evaluations + evaluations
       sample%next_step = integrator%statistics%steps + steps
       sample%next_look = integrator%t + (dynamics%end - dynamics%start)/parts
-      ! Errors of the motion in stiff deflections are no forces
+      if (integrator%steps_over .and. kind == in_motion) then
+         call observe_balanced(scene, integrator, kind, sample, outcome)
+      else
+         call observe_state(scene, integrator%t, kind, sample, outcome)
+      end if
+   end subroutine look
+
+   !> Observes them in balance with the accelerations of the dense output: errors of the motion in stiff deflections are no forces.
+   subroutine observe_balanced(scene, integrator, kind, sample, outcome)
+      type(scene_type), intent(inout) :: scene
+      class(integrator_type), intent(in) :: integrator
+      !> As in `look`
+      integer, intent(in) :: kind
+      type(sample_type), intent(inout) :: sample
+      type(outcome_type), intent(inout) :: outcome
+      real(wp) :: q(size(sample%q))
       q = sample%q
-      if (integrator%steps_over .and. kind == in_motion) call balance_sample(scene, integrator%t, integrator, sample)
+      call balance_sample(scene, integrator%t, integrator, sample)
       call observe_state(scene, integrator%t, kind, sample, outcome)
       sample%q = q
-   end subroutine look
+   end subroutine observe_balanced
 
    !> Observes them at the end of a run of so few steps that hardly any other state has been seen.
    subroutine look_at_end(scene, integrator, sample, outcome)

@@ -328,7 +328,8 @@ contains
       if (status >= 0) then
          call h5dwrite_f(dataset, string, c_loc(pointer_to_text), status)
          if (status < 0) call hdf5_error(error, file, 'cannot write '//path)
-         call h5dclose_f(dataset, ignored)
+         call h5dclose_f(dataset, status)
+         if (status < 0 .and. .not. allocated(error)) call hdf5_error(error, file, 'cannot write '//path)
       else
          call hdf5_error(error, file, 'cannot create '//path)
       end if

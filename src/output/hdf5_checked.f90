@@ -90,7 +90,9 @@ contains
       if (status >= 0) then
          if (count > 0) call h5dwrite_f(dataset, given, value, status)
          if (status < 0) call hdf5_error(error, file, 'cannot write '//path)
-         call h5dclose_f(dataset, ignored)
+         ! A chunk goes to the disk when the dataset is closed: what finds no room there is lost
+         call h5dclose_f(dataset, status)
+         if (status < 0 .and. .not. allocated(error)) call hdf5_error(error, file, 'cannot write '//path)
       else
          call hdf5_error(error, file, 'cannot create '//path)
       end if

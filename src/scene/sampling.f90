@@ -167,17 +167,17 @@ contains
       real(wp), parameter :: tolerances = 100.0_wp, most = 0.01_wp
       real(wp) :: pace, moved
       logical :: closed
-      integer :: i
       associate (system => scene%system, work => scene%work)
-         if (.not. (any(system%layout%n > 0) .or. any([(system%loads(i)%item%resists, i=1, size(system%loads))]))) return
+         if (.not. is_elastic(system)) return
          if (.not. allocated(sample%held)) then
             allocate (sample%held, sample%rates(system%layout%nw))
             call new_held(system, sample%held)
          end if
+         call integrator%interpolate_accelerations(t, sample%rates, pace)
+         if (.not. pace > 0.0_wp .and. .not. t < integrator%t) return
          ! What a restart finds must not depend on samples before
          call sample%held%tangent%matrix%release_factors()
          sample%change = sample%q
-         call integrator%interpolate_accelerations(t, sample%rates, pace)
          if (pace > 0.0_wp) then
             call balance_passed(system, work, sample%held, t, sample%change, sample%v, sample%rates, pace, moved)
             if (moved <= min(most, tolerances*integrator%tolerance)) then
@@ -191,6 +191,16 @@ contains
          if (closed) sample%q = sample%change
       end associate
    end subroutine balance_sample
+
+   !> Whether a scene has something that bends, or loads that resist places.
+   pure logical function is_elastic(system)
+      type(system_type), intent(in) :: system
+      integer :: i
+      is_elastic = any(system%layout%n > 0)
+      do i = 1, size(system%loads)
+         is_elastic = is_elastic .or. system%loads(i)%item%resists
+      end do
+   end function is_elastic
 
    !> The channels of a sample.
    subroutine show(scene, t, recorder, sample, outcome, error)

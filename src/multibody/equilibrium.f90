@@ -596,7 +596,8 @@ contains
          real(wp) :: way
          integer :: i
          call worst_constraint(system, work, balance%open, balance%gap)
-         spring = stiff*max(balance%largest, balance%forces, tiny(spring))
+         spring = stiff*max(balance%largest, balance%forces)
+         if (.not. spring > 0.0_wp) spring = 1.0_wp
          found = q
          found_lambda = lambda
          way = 0.0_wp

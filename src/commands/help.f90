@@ -3,7 +3,7 @@ module limber_commands_help
    use limber_base_error, only: error_type, raise, status_deck
    use limber_base_text, only: newline, uppercase, nearest_name
    use limber_base_version, only: version, commit, compiler, compiler_options
-   use limber_deck_keyword_help, only: help_text, manual_text, asks_for_modes
+   use limber_deck_keyword_help, only: help_text, manual_text, asks_for_group
    use limber_deck_keywords, only: keyword_table, option_table, find_keyword, load_language
    use limber_model_quantities, only: quantity_help, quantity_manual
    implicit none
@@ -39,7 +39,7 @@ contains
             report = owners(keyword)
             return
          end if
-         if (find_keyword(keyword) == 0 .and. .not. asks_for_modes(keyword)) then
+         if (find_keyword(keyword) == 0 .and. .not. asks_for_group(keyword)) then
             near = nearest_name(keyword, keyword_table%name)
             if (near > 0) then
                call raise(error, 'there is no keyword *'//keyword//'; did you mean *'//trim(keyword_table(near)%name)//'?', &

@@ -10,7 +10,7 @@ module limber_deck_keyword_help
       & keyword_words, find_keyword, load_language
    implicit none
    private
-   public :: help_text, manual_text, asks_for_modes
+   public :: help_text, manual_text, asks_for_group
 
    !> What expressions are made with
    character(*), parameter :: operators = '+ - * / and ** (power), parentheses'
@@ -21,7 +21,7 @@ contains
 
    !> Help on a keyword; the list of all keywords if it is empty or unknown. Without a trailing line feed.
    function help_text(keyword) result(text)
-      !> In any case, without the asterisk; behind BEAM or FRAME the word MODES asks for the options of bodies with modes alone
+      !> In any case, without the asterisk; behind BEAM or FRAME the word of a group of options asks for that group, as in BEAM MODES
       character(*), intent(in) :: keyword
       character(:), allocatable :: text
       integer :: row, last
@@ -29,9 +29,9 @@ contains
       row = find_keyword(keyword)
       last = index(trim(keyword), ' ', back=.true.)
       if (row > 0) then
-         text = keyword_help(keyword_table(row), .false.)
-      else if (asks_for_modes(keyword)) then
-         text = keyword_help(keyword_table(find_keyword(keyword(:last - 1))), .true.)
+         text = keyword_help(keyword_table(row), '')
+      else if (asks_for_group(keyword)) then
+         text = keyword_help(keyword_table(find_keyword(keyword(:last - 1))), trim(keyword(last + 1:)))
       else
          text = 'Keywords of a deck:'
          do row = 1, size(keyword_table)
@@ -42,47 +42,63 @@ contains
       end if
    end function help_text
 
-   !> Whether words ask for the options of bodies with modes: a keyword that has some, and MODES.
-   pure logical function asks_for_modes(words)
+   !> Whether words ask for a group of options: a keyword, and the word of one of its groups.
+   pure logical function asks_for_group(words)
       !> In upper case; after `load_language`
       character(*), intent(in) :: words
       type(option_spec_type), allocatable :: specs(:)
       integer :: last
       last = index(trim(words), ' ', back=.true.)
-      asks_for_modes = last > 1
-      if (asks_for_modes) asks_for_modes = words(last + 1:) == 'MODES' .and. find_keyword(words(:last - 1)) > 0
-      if (.not. asks_for_modes) return
+      asks_for_group = last > 1
+      if (asks_for_group) asks_for_group = find_keyword(words(:last - 1)) > 0
+      if (.not. asks_for_group) return
       allocate (specs, source=keyword_options(words(:last - 1)))
-      asks_for_modes = any(specs%models == 'MODES')
-   end function asks_for_modes
+      asks_for_group = any(specs%models == words(last + 1:))
+   end function asks_for_group
 
-   !> Help on one keyword. Options of bodies with modes stand apart.
-   function keyword_help(keyword, modes) result(text)
+   !> Help on one keyword, or on one group of its options.
+   function keyword_help(keyword, group) result(text)
       type(keyword_type), intent(in) :: keyword
-      !> Whether for these options
-      logical, intent(in) :: modes
+      !> Word of the group; empty: options of all models, and the names of the others
+      character(*), intent(in) :: group
       character(:), allocatable :: text
       type(option_spec_type), allocatable :: specs(:)
-      integer :: i, apart
+      integer :: i
       text = '*'//trim(keyword%name)//newline//'  '//trim(keyword%meaning)
       if (keyword%most == 1) text = text//'; at most once'
       allocate (specs, source=keyword_options(trim(keyword%name)))
-      apart = 0
       do i = 1, size(specs)
-         if (modes .neqv. specs(i)%models == 'MODES') then
-            apart = apart + 1
-            cycle
+         if (begins_group(specs, i)) then
+            if (specs(i)%models == group) then
+               text = text//newline//newline//'Options'//group_title(keyword%name, group)//':'
+            else if (group == '') then
+               text = text//newline//newline//group_names(keyword%name, specs(i)%models)
+            end if
          end if
-         if (begins_group(specs, i)) text = text//newline//newline//'Options'//group_title(keyword%name, specs(i)%models)//':'
+         if (specs(i)%models /= group) cycle
          text = text//newline//'  '//specs(i)%name//'  '//wrapped(option_sentence(specs(i)), len(specs%name) + 4)
       end do
-      if (modes) return
-      if (apart > 0) text = text//newline//newline//as_text(apart)//' more'//group_title(keyword%name, 'MODES')// &
-         & ': limber help '//trim(keyword%name)//' MODES'
+      if (group /= '') return
       if (keyword%form /= form_none) text = text//newline//newline//'Data lines ('//line_count(keyword)//'): ' &
          & //line_form(keyword, .false.)//listed_words(trim(keyword%name), .false.)
       text = text//newline//newline//'Example:'//newline//example_text(trim(keyword%name))
    end function keyword_help
+
+   !> The names of a group of options, and the command that shows them.
+   function group_names(keyword, group) result(text)
+      character(*), intent(in) :: keyword, group
+      character(:), allocatable :: text, names
+      type(option_spec_type), allocatable :: specs(:)
+      integer :: i
+      allocate (specs, source=keyword_options(trim(keyword)))
+      specs = pack(specs, specs%models == group)
+      names = trim(specs(1)%name)
+      do i = 2, size(specs)
+         names = names//', '//trim(specs(i)%name)
+      end do
+      text = as_text(size(specs))//' options'//group_title(keyword, group)//':'//newline//'  '//wrapped(names, 2)//newline &
+         & //'  limber help '//trim(keyword)//' '//trim(group)
+   end function group_names
 
    !> Whether an option is the first of those for some models.
    pure logical function begins_group(specs, i)

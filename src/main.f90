@@ -8,8 +8,8 @@ program limber
    use limber_base_ending, only: guard_ending, leave
    use limber_base_error, only: error_type
    use limber_base_fault, only: add_fault
+   use limber_base_libraries, only: keep_heap, use_one_thread
    use limber_base_signals, only: end_by_signals, let_writes_fail
-   use limber_base_threads, only: use_one_thread
    use limber_commands_advise, only: advise_deck
    use limber_commands_check, only: check_deck
    use limber_commands_command_line, only: command_type, read_command, usage
@@ -32,6 +32,7 @@ program limber
    call let_writes_fail()
    call end_by_signals()
    call use_one_thread()
+   call keep_heap()
    call read_command(command, error)
    if (.not. allocated(error)) then
       select case (command%verb)

@@ -26,7 +26,7 @@ module limber_analysis_analysis_steps
    use limber_model_analyses, only: title
    use limber_model_model, only: model_type, dynamics_type, analysis_step_type, step_kinematics, step_inverse, step_statics, &
       & step_modes, &
-      & step_dynamics, stop_unstable, velocities_none, velocities_of_deck
+      & step_dynamics, event_stop, stop_unstable, velocities_none, velocities_of_deck
    use limber_output_channel_values, only: recorder_type, new_recorder
    use limber_output_history, only: history_type
    use limber_output_internal_forces, only: join_envelopes
@@ -87,6 +87,7 @@ contains
       do i = first, steps
          associate (step => scene%system%model%steps(i))
             if (present(guard) .and. i > first) call look_at_guard(i)
+            if (i > 1) call shift_step(scene%system%model%steps(i), passed%end(i - 1))
             if (.not. allocated(error)) call enter_step(scene, i, error)
             if (allocated(error)) exit
             if (.not. quiet) call progress%start(step%dynamics%start, step%dynamics%end, path)
@@ -103,6 +104,10 @@ contains
             report = report//newline//'   '//title(step)//': t = '//as_text(step%dynamics%start, 6)//' to '// &
                & as_text(part%reached, 6)//' '//scene%system%model%units%time//', '//as_text(part%samples)//' samples'//lines
             if (allocated(error)) exit
+            if (part%ended == event_stop) then
+               if (i < steps) report = report//newline//'   an event has ended the run; the analyses behind it are not run'
+               exit
+            end if
             if (step%kind == step_statics .and. step%instability == stop_unstable .and. lines /= '') then
                if (i < steps) report = report//newline//'   the analyses behind it are not run'
                exit
@@ -170,6 +175,16 @@ contains
       end subroutine exchange
 
    end subroutine run_steps
+
+   !> Lets an analysis begin when the one before has ended, also where an event has ended that early. A period keeps its length.
+   pure subroutine shift_step(step, time)
+      type(analysis_step_type), intent(inout) :: step
+      !> End of the one before
+      real(wp), intent(in) :: time
+      if (.not. step%follows) return
+      if (step%kind == step_statics .or. step%kind == step_modes) step%dynamics%end = time + step%dynamics%end - step%dynamics%start
+      step%dynamics%start = time
+   end subroutine shift_step
 
    !> Saves or restores which analyses have run.
    subroutine exchange_passed(self, snapshot)
@@ -366,6 +381,7 @@ contains
       outcome%work = outcome%work + part%work
       outcome%imbalance = max(outcome%imbalance, part%imbalance)
       outcome%largest_energy = max(outcome%largest_energy, part%largest_energy)
+      call outcome%events%join(part%events)
    end subroutine add_outcome
 
    !> Adds the counts of an integrator to those of all.

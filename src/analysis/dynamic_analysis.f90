@@ -11,6 +11,7 @@ module limber_analysis_dynamic_analysis
    use limber_analysis_cost_watch, only: costs_type, watch_costs, stands_in
    use limber_analysis_crossings, only: crossings_type, new_crossings, begin_crossings, resume_crossings, go_on, find_crossing, &
       & count_crossing, found_nothing, found_bend, found_jump
+   use limber_analysis_events, only: events_type, start_events, begin_events, pass_events
    use limber_analysis_fresh_start, only: pass_break
    use limber_analysis_added_errors, only: added_errors_type, start_added, begin_added, note_added, tell_errors
    use limber_scene_interruption, only: interruption_type
@@ -165,6 +166,7 @@ contains
       type(jump_watch_type) :: watch
       type(turning_type) :: turning
       type(crossings_type) :: crossings
+      type(events_type) :: events
       type(added_errors_type) :: added
       type(curve_watch_type) :: curves
       type(curve_pieces_type) :: pieces
@@ -173,7 +175,7 @@ contains
       !> up to which the last step counts, the last break, and the end: right before it if a law of time changes there
       real(wp) :: stop, barrier, near, t, since, last
       integer :: passed, seen, begun
-      logical :: at_station, cut, stiff, changes, first
+      logical :: at_station, cut, stiff, changes, first, again
       call find_instants(scene%system%model, breaks, stations, outcome)
       passed = 0
       seen = 0
@@ -187,6 +189,7 @@ contains
       call new_crossings(crossings, scene%system, dynamics%start, dynamics%end - dynamics%start, integrator%tolerance)
       if (size(crossings%loads) > 0) call begin_crossings(crossings, scene%system, scene%work, t, scene%q, scene%v, 0.0_wp)
       call start_added(added, scene%system, crossings, t, scene%q, scene%v)
+      call start_events(events, scene%system, scene%work, t, scene%q, scene%v, integrator%tolerance)
       call new_curve_watch(curves, scene%system, dynamics%end - dynamics%start, integrator%tolerance)
       if (size(curves%joints) > 0) call begin_curves(curves, scene%system, scene%work, t, scene%q, scene%v, 0.0_wp)
       if (recorder%needs_accelerations) call start_unfollowed(unfollowed, scene)
@@ -234,7 +237,7 @@ contains
          if (first .and. passed < size(breaks)) stop = min(stop, integrator%t + first_part*(barrier - integrator%t))
          if (integrator%ends_on_samples) stop = min(stop, sample_time(dynamics, sample%next))
          if (.not. dynamics%fixed_step > 0.0_wp) stop = min(stop, integrator%t + turn_time(turning))
-         stop = min(stop, crossings%hold)
+         stop = min(stop, crossings%hold, events%hold)
          if (present(pace)) call keep_pace()
          call integrator%step(scene%system, scene%work, stop, error)
          if (allocated(error)) then
@@ -270,6 +273,12 @@ contains
             call meet_crossing()
          end if
          if (size(pieces%paths) > 0) call meet_end()
+         if (size(events%counts) > 0) then
+            call pass_events(events, scene, integrator, recorder, sample, near, t, outcome%ended, again, outcome, error)
+            if (again) call step_again()
+            if (allocated(error)) exit
+            if (again) cycle
+         end if
          if (.not. dynamics%fixed_step > 0.0_wp) call outcome%bound%note(integrator%t_before, t, integrator%order, &
             & integrator%spare .or. .not. cut .and. t >= stop - near)
          call integrator%interpolate(t, sample%q, sample%v, sample%w)
@@ -277,6 +286,8 @@ contains
          call note_added(added, scene%system, scene%work, integrator, crossings, dynamics%end, t, sample%q, sample%v)
          if (size(crossings%loads) > 0 .and. .not. cut) call go_on(crossings, sample%q, sample%v, sample%w)
          if (size(curves%joints) > 0 .and. .not. cut) call go_on_curves(curves, t, sample%q, sample%v, sample%w)
+         if (size(events%counts) > 0 .and. .not. cut) call begin_events(events, scene%system, scene%work, t, sample%q, sample%v, &
+            & sample%w)
          call look(scene, dynamics, integrator, in_motion, sample, outcome)
          call watch_stiffness(stiffening, scene%system, scene%work, dynamics, integrator, sample%q, sample%v, stiff)
          call watch_costs(costs, scene%system, scene%work, dynamics, integrator, stiffening, stiff, sample%q, sample%v, changes)
@@ -291,6 +302,10 @@ contains
          at_station = .false.
          if (seen < size(stations)) at_station = stations(seen + 1) <= t + near
          if (at_station .or. sample_time(dynamics, sample%next) <= t + near) call check_energy(scene, t, sample, outcome)
+         if (outcome%ended > 0) then
+            call record_end()
+            exit
+         end if
          if (passed < size(breaks) .and. t >= barrier - near) then
             call record_before(barrier - near)
             if (allocated(error)) exit
@@ -457,7 +472,29 @@ contains
             & integrator%work_at_start)
          if (size(curves%joints) > 0) call begin_curves(curves, scene%system, scene%work, time, sample%q, sample%v, &
             & integrator%work_at_start)
+         if (size(events%counts) > 0) call begin_events(events, scene%system, scene%work, time, sample%q, sample%v, &
+            & integrator%work_at_start)
       end subroutine start_anew
+
+      !> Does the last step again, up to an event within it.
+      subroutine step_again()
+         integrator%work_at_start = events%search%w
+         integrator%statistics%steps = integrator%statistics%steps - 1
+         integrator%statistics%rejected = integrator%statistics%rejected + 1
+         call integrator%start(scene%system, scene%work, events%search%t, dynamics%end - dynamics%start, events%search%q, &
+            & events%search%v, error)
+      end subroutine step_again
+
+      !> Records the samples up to the event that ends the motion; the last is there.
+      subroutine record_end()
+         call record_before(t)
+         if (allocated(error) .or. sample_time(dynamics, sample%next - 1) >= t) return
+         call integrator%interpolate(t, sample%q, sample%v, sample%w)
+         call integrator%complete(scene%system, scene%work, t, sample%q, sample%v)
+         sample%anyhow = .true.
+         call record(scene, t, t, integrator, recorder, sample, history, outcome, error)
+         sample%anyhow = .false.
+      end subroutine record_end
 
       !> Looks how far the velocities have left the piece of a curve that ends: what they have too much there is no impact.
       subroutine look_at_slip()
@@ -533,14 +570,18 @@ contains
          call turning%exchange(snapshot)
          call crossings%exchange(snapshot)
          call added%exchange(snapshot)
+         call events%exchange(snapshot)
          if (snapshot%restoring .and. size(crossings%loads) > 0) call resume_crossings(crossings, scene%system, scene%work, &
             & integrator%t)
          call pieces%exchange(snapshot, scene%system)
          call outcome%exchange(snapshot)
-         if (.not. snapshot%restoring .or. size(curves%joints) == 0) return
+         if (.not. snapshot%restoring .or. size(curves%joints) + size(events%counts) == 0) return
          call integrator%interpolate(integrator%t, sample%q, sample%v, sample%w)
          call integrator%complete(scene%system, scene%work, integrator%t, sample%q, sample%v)
-         call begin_curves(curves, scene%system, scene%work, integrator%t, sample%q, sample%v, sample%w)
+         if (size(curves%joints) > 0) call begin_curves(curves, scene%system, scene%work, integrator%t, sample%q, sample%v, &
+            & sample%w)
+         if (size(events%counts) > 0) call begin_events(events, scene%system, scene%work, integrator%t, sample%q, sample%v, &
+            & sample%w)
       end subroutine exchange
 
       !> Records the samples up to a time that the integrator has reached. At a break they are those that follow it.

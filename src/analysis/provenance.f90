@@ -281,6 +281,7 @@ contains
       if (.not. allocated(error)) call put_checks()
       if (.not. allocated(error)) call put_envelopes()
       if (.not. allocated(error)) call put_scalars()
+      if (.not. allocated(error) .and. size(scene%system%model%events) > 0) call put_events()
       if (allocated(outcome%indicators) .and. .not. allocated(error)) call record_indicators(outcome%indicators, &
          & scene%system%model, history, error)
       if (.not. allocated(error)) call history%put_text('/run/warnings', scene%warnings, error)
@@ -304,6 +305,29 @@ contains
                & scene%system%model%scalars(i)%units, scene%system%model%scalars(i)%long_name, error)
          end do
       end subroutine put_scalars
+
+      !> The table of events: names, and of each event met its time, which it is, its direction and all channels.
+      subroutine put_events()
+         character(:), allocatable :: names
+         integer :: i
+         associate (model => scene%system%model, met => outcome%events)
+            names = model%events(1)%name
+            do i = 2, size(model%events)
+               names = names//newline//model%events(i)%name
+            end do
+            call history%put_text('/events/names', names, error)
+            if (allocated(error) .or. met%count == 0) return
+            call history%put_real('/events/time', met%times(), model%units%time, 'instant of each event', error)
+            if (.not. allocated(error)) call history%put_integer('/events/event', met%indices(), &
+               & 'which event, counted from 1 in the order of names', error)
+            if (.not. allocated(error)) call history%put_integer('/events/direction', met%directions(), &
+               & 'crossing upwards 1, downwards -1', error)
+            do i = 1, size(model%channels)
+               if (.not. allocated(error)) call history%put_real('/events/channels/'//model%channels(i)%name, met%channel(i), &
+                  & model%channels(i)%units, model%channels(i)%long_name, error)
+            end do
+         end associate
+      end subroutine put_events
 
       subroutine put_counts()
          if (any(scene%system%model%steps%kind == step_dynamics)) then

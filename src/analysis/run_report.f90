@@ -86,6 +86,7 @@ contains
             & as_text(outcome%velocity_residual, 2)//' '//units%length//'/'//units%time//' at worst'//newline// &
             & '   energy balance: '//as_text(outcome%imbalance, 2)//' of at most '//as_text(outcome%largest_energy, 3)//newline
          text = text//'   '//as_text(outcome%samples)//' samples in '//results
+         if (size(scene%system%model%events) > 0) text = text//outcome%events%report(scene%system%model%events, units%time)
       end associate
    end function closing_report
 

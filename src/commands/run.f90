@@ -267,7 +267,9 @@ contains
       call record_steps(scene, passed, history%history_type, write_error)
       report = scene%warnings//guard%note_line(path)//path//': '//scene%system%model%heading//lines//newline//'   '// &
          & as_text(outcome%cpu, 3)//' s CPU; '//as_text(scene%reading + scene%building + scene%assembling, 3)//' s before it'// &
-         & newline//'   '//as_text(outcome%samples)//' samples in '//results//scalar_lines(scene%system%model, history)
+         & newline//'   '//as_text(outcome%samples)//' samples in '//results// &
+         & outcome%events%report(scene%system%model%events, scene%system%model%units%time)// &
+         & scalar_lines(scene%system%model, history)
       if (allocated(error)) then
          call record_outcome(scene, outcome, statistics, error%message, history%history_type, write_error)
          error%message = path//': '//error%message//what_is_left(results, batch%in_memory, history%history_type, write_error)

@@ -68,7 +68,6 @@ module limber_deck_synonyms
    type(remark_type), parameter :: advices(*) = [ &
       & remark_type('CONTACT', 'write *STOP for a limit of a distance or joint, else *FORCE with max(0, stiffness*depth)'), &
       & remark_type('IMPACT', 'write *STOP for a limit of a distance or joint, else *FORCE with max(0, stiffness*depth)'), &
-      & remark_type('EVENT', 'laws with step, min and max change by themselves where their argument does'), &
       & remark_type('BODY', 'a body is a *RIGID BODY, *POINT MASS, *BEAM or *FRAME'), &
       & remark_type('HINGE', 'write *JOINT, TYPE=REVOLUTE'), &
       & remark_type('REVOLUTE', 'write *JOINT, TYPE=REVOLUTE'), &

@@ -23,6 +23,7 @@ submodule (limber_deck_keywords) limber_elements_registration
    use limber_elements_distributed_load, only: distributed_load_element
    use limber_elements_friction, only: friction_element
    use limber_elements_stop, only: stop_element
+   use limber_elements_event, only: event_element
    use limber_model_element, only: element_type, add_element
    use limber_model_joint_kind, only: add_joint_kind
    implicit none
@@ -51,6 +52,7 @@ contains
       call register(distributed_load_element())
       call register(friction_element())
       call register(stop_element())
+      call register(event_element())
    end subroutine register_elements
 
    !> Adds an element to the list, and its rows to the keyword table.

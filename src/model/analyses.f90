@@ -34,7 +34,8 @@ contains
          if (step_kind(deck%blocks(i)%keyword) == 0) cycle
          count = count + 1
          if (deck%blocks(i)%knows('START')) then
-            if (.not. deck%blocks(i)%given('START')) call deck%set_number(i, 'START', now)
+            model%steps(count)%follows = .not. deck%blocks(i)%given('START')
+            if (model%steps(count)%follows) call deck%set_number(i, 'START', now)
          end if
          if (.not. deck%blocks(i)%broken) call read_step(deck%blocks(i), i, model%steps(:count), diagnostics)
          model%steps(count)%dynamics%wanted = .true.

@@ -16,6 +16,7 @@ module limber_model_build
    use limber_model_large_frames, only: is_large, has_large_frames, expand_frames, unite_frame
    use limber_model_lists, only: trim_lists
    use limber_model_body_damping, only: add_damping
+   use limber_model_event_checks, only: check_events
    use limber_model_element, only: elements, find_element
    use limber_model_load_laws, only: resolve_laws
    use limber_model_body_parts, only: check_parts
@@ -62,7 +63,7 @@ contains
       allocate (model%bodies(0), model%wholes(0), model%points(0), model%joints(0), model%drivers(0), &
          & model%channels(0))
       allocate (model%load_parts(0), model%loads(0), model%assembly%deflections(0))
-      allocate (model%scalars(0), model%spreads(0))
+      allocate (model%scalars(0), model%spreads(0), model%events(0))
       call read_labels(deck, model)
       call add_point(model, 'ground.origin', ground, [0.0_wp, 0.0_wp])
       do i = 1, size(deck%blocks)
@@ -99,6 +100,7 @@ contains
          call trim_lists(model)
       end do
       call resolve_laws(model, diagnostics)
+      call check_events(deck, model, diagnostics)
       ! Again, with the points of the ground that joints and loads use
       model%length = scene_length(model)
       do i = 1, size(deck%blocks)

@@ -17,7 +17,7 @@ module limber_model_model
    private
    public :: model_type, body_type, whole_type, point_type, joint_type, function_term_type, term_type, driver_type
    public :: deflection_type
-   public :: load_part_type, distributed_load_type, named_load_type, scalar_type
+   public :: load_part_type, distributed_load_type, named_load_type, scalar_type, event_type
    public :: dynamics_type, analysis_step_type, channel_type, quantity_type, dimension_type, units_type
 
    !> Kinds of bodies: a point mass has a position only, other bodies also have a direction
@@ -46,6 +46,8 @@ module limber_model_model
    integer, parameter, public :: leave_unstable = 1, stay_unstable = 2, stop_unstable = 3
    !> Initial velocities of a dynamic analysis: from the end of the analysis before, zero, from the deck
    integer, parameter, public :: velocities_kept = 1, velocities_none = 2, velocities_of_deck = 3
+   !> Actions of an event: it is noted; it ends the run, or the analysis
+   integer, parameter, public :: event_sample = 1, event_stop = 2, event_end_step = 3
    !> Index of the ground, in place of a body
    integer, parameter, public :: ground = 0
 
@@ -330,6 +332,21 @@ module limber_model_model
       integer, allocatable :: summaries(:), channels(:)
    end type scalar_type
 
+   !> An event: a scalar of the motion that crosses zero
+   type :: event_type
+      !> Name, and the scalar as the deck writes it
+      character(:), allocatable :: name, text
+      !> The scalar, and the quantities that it depends on
+      type(expression_type) :: law
+      type(quantity_type), allocatable :: quantities(:)
+      !> Crossings that count: 1 upwards, -1 downwards, 0 both
+      integer :: direction = 0
+      !> Time before which none counts
+      real(wp) :: after = -huge(1.0_wp)
+      !> What happens: event_sample, ...; the crossing at which it does, among those that count
+      integer :: action = event_sample, number = 1
+   end type event_type
+
    !> Options of an analysis in time, mainly of a dynamic one
    type :: dynamics_type
       !> True if the deck asks for an analysis
@@ -384,6 +401,8 @@ module limber_model_model
       integer :: block = 0
       !> First and last time, samples; all options of a dynamic analysis
       type(dynamics_type) :: dynamics
+      !> Whether it begins when the one before ends
+      logical :: follows = .true.
       !> Dynamics: initial velocities
       integer :: velocities = velocities_kept
       !> Kinematics and inverse dynamics: whether deflections are in equilibrium at each sample, or fixed
@@ -438,6 +457,7 @@ module limber_model_model
       type(distributed_load_type), allocatable :: spreads(:)
       type(channel_type), allocatable :: channels(:)
       type(scalar_type), allocatable :: scalars(:)
+      type(event_type), allocatable :: events(:)
       !> True for motion records: samples of the coordinates of all bodies, for drawings
       logical :: motion = .false.
       type(assembly_choice_type) :: assembly

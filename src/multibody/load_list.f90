@@ -17,7 +17,7 @@ module limber_multibody_load_list
    use limber_multibody_springs, only: point_spring_type
    implicit none
    private
-   public :: new_loads
+   public :: new_loads, new_event_scalars
 
    !> Distance below which a spring's direction fades, relative to its length
    real(wp), parameter :: softening = 1.0e-10_wp
@@ -45,6 +45,27 @@ contains
          end associate
       end do
    end subroutine new_loads
+
+   !> The scalars of the events of the model, as laws along nothing: they exert no force.
+   subroutine new_event_scalars(system, scalars)
+      class(registry_type), intent(inout) :: system
+      !> In the order of the events
+      type(force_element_type), allocatable, intent(out) :: scalars(:)
+      type(load_part_type) :: none
+      integer :: i, k
+      allocate (scalars(size(system%model%events)))
+      do i = 1, size(scalars)
+         associate (scalar => scalars(i), slots => size(system%model%events(i)%quantities))
+            scalar%factor = 1.0_wp
+            scalar%driven = .true.
+            scalar%law = system%model%events(i)%law
+            allocate (scalar%functions(0), scalar%bodies(0), scalar%slots(slots), scalar%by_rate(slots))
+         end associate
+         do k = 1, size(scalars(i)%slots)
+            call read_slot(system, none, system%model%events(i)%quantities(k), scalars(i), k)
+         end do
+      end do
+   end subroutine new_event_scalars
 
    !> The load of a part, of the cheapest type that can be it.
    subroutine new_load(system, part, item)

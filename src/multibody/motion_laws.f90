@@ -12,8 +12,8 @@ module limber_multibody_motion_laws
    use limber_multibody_system, only: system_type
    implicit none
    private
-   public :: moment_type, new_moment, watched_loads, read_moment, law_between, law_noise, law_effect, law_turn, &
-      & law_bend, law_rests, law_within, law_excess, law_is_steep, law_is_stored, quartic, &
+   public :: moment_type, new_moment, watched_loads, read_moment, read_law, law_between, range_between, law_noise, &
+      & law_doubt, law_effect, law_turn, law_bend, law_rests, law_within, law_excess, law_is_steep, law_is_stored, quartic, &
       & describe_law, no_slope_text
 
    !> Watched laws at a moment
@@ -68,27 +68,41 @@ contains
       !> Placed and moved
       type(kinematics_type), intent(in) :: kinematics
       type(moment_type), intent(inout) :: moment
-      type(jet_type) :: line(max_slots), jet
-      integer :: i, k
+      integer :: i
       moment%t = kinematics%time
       do i = 1, size(loads)
          select type (load => system%loads(loads(i))%item)
          type is (force_element_type)
-            call load%read_motion(kinematics, moment%place(:, i), moment%rate(:, i), moment%gap(:, :, i), moment%drift(:, :, i))
-            moment%speed(i) = 0.0_wp
-            do k = 1, size(load%slots)
-               if (load%slots(k) > 0) moment%speed(i) = max(moment%speed(i), abs(moment%rate(k, i))* &
-                  & merge(system%model%length, 1.0_wp, load%functions(max(1, load%slots(k)))%kind == scalar_turn))
-               line(k) = jet_type(moment%place(k, i), moment%rate(k, i), 0.0_wp)
-               if (load%by_rate(k)) line(k) = jet_type(moment%rate(k, i), 0.0_wp, 0.0_wp)
-            end do
-            jet = load%law%evaluate_along(line(:size(load%slots)))
-            moment%force(i) = load%factor*jet%value
-            moment%slope(i) = load%factor*jet%first
-            moment%branches(i) = load%law%branches_along(line(:size(load%slots)))
+            call read_law(load, system%model%length, kinematics, moment, i)
          end select
       end do
    end subroutine read_moment
+
+   !> One law at a state.
+   pure subroutine read_law(load, length, kinematics, moment, law)
+      type(force_element_type), intent(in) :: load
+      !> Of the scene
+      real(wp), intent(in) :: length
+      !> Placed and moved
+      type(kinematics_type), intent(in) :: kinematics
+      type(moment_type), intent(inout) :: moment
+      !> Its place in the moment
+      integer, intent(in) :: law
+      type(jet_type) :: line(max_slots), jet
+      integer :: k
+      call load%read_motion(kinematics, moment%place(:, law), moment%rate(:, law), moment%gap(:, :, law), moment%drift(:, :, law))
+      moment%speed(law) = 0.0_wp
+      do k = 1, size(load%slots)
+         if (load%slots(k) > 0) moment%speed(law) = max(moment%speed(law), abs(moment%rate(k, law))* &
+            & merge(length, 1.0_wp, load%functions(max(1, load%slots(k)))%kind == scalar_turn))
+         line(k) = jet_type(moment%place(k, law), moment%rate(k, law), 0.0_wp)
+         if (load%by_rate(k)) line(k) = jet_type(moment%rate(k, law), 0.0_wp, 0.0_wp)
+      end do
+      jet = load%law%evaluate_along(line(:size(load%slots)))
+      moment%force(law) = load%factor*jet%value
+      moment%slope(law) = load%factor*jet%first
+      moment%branches(law) = load%law%branches_along(line(:size(load%slots)))
+   end subroutine read_law
 
    !> How much the slope of a watched law in time differs between two moments next to each other, before and behind a change of its
    !> formula [force/time].
@@ -135,34 +149,43 @@ contains
       end select
    end function law_rests
 
-   !> Bounds of a watched law times its factor between two moments, while what its slots are made of moves as cubics, eqs. (5.45),
-   !> (5.54).
+   !> Bounds of a watched law times its factor between two moments.
    function law_between(system, loads, law, a, b) result(range)
       type(system_type), intent(in) :: system
       integer, intent(in) :: loads(:), law
       type(moment_type), intent(in) :: a, b
       type(range_type) :: range
-      real(wp) :: low(max_slots), high(max_slots)
-      integer :: k
       select type (load => system%loads(loads(law))%item)
       type is (force_element_type)
-         do k = 1, size(load%slots)
-            low(k) = a%t
-            high(k) = b%t
-            if (load%slots(k) == 0) cycle
-            associate (scalar => load%functions(load%slots(k)), h => b%t - a%t)
-               if (scalar%kind == scalar_distance) then
-                  call bound_length(h, a%gap(:, k, law), a%drift(:, k, law), b%gap(:, k, law), b%drift(:, k, law), scalar%origin, &
-                     & load%by_rate(k), low(k), high(k))
-               else
-                  call bound_cubic(h, a%place(k, law), a%rate(k, law), b%place(k, law), b%rate(k, law), load%by_rate(k), low(k), &
-                     & high(k))
-               end if
-            end associate
-         end do
-         range = range_within(load, low, high)
+         range = range_between(load, law, a, b)
       end select
    end function law_between
+
+   !> Bounds of a law times its factor between two moments, while what its slots are made of moves as cubics, eqs. (5.45), (5.54).
+   function range_between(load, law, a, b) result(range)
+      type(force_element_type), intent(in) :: load
+      !> Its place in the moments
+      integer, intent(in) :: law
+      type(moment_type), intent(in) :: a, b
+      type(range_type) :: range
+      real(wp) :: low(max_slots), high(max_slots)
+      integer :: k
+      do k = 1, size(load%slots)
+         low(k) = a%t
+         high(k) = b%t
+         if (load%slots(k) == 0) cycle
+         associate (scalar => load%functions(load%slots(k)), h => b%t - a%t)
+            if (scalar%kind == scalar_distance) then
+               call bound_length(h, a%gap(:, k, law), a%drift(:, k, law), b%gap(:, k, law), b%drift(:, k, law), scalar%origin, &
+                  & load%by_rate(k), low(k), high(k))
+            else
+               call bound_cubic(h, a%place(k, law), a%rate(k, law), b%place(k, law), b%rate(k, law), load%by_rate(k), low(k), &
+                  & high(k))
+            end if
+         end associate
+      end do
+      range = range_within(load, low, high)
+   end function range_between
 
    !> Bounds of the law of a load times its factor while its slots are within intervals; where they overflow it is not defined.
    function range_within(load, low, high) result(range)
@@ -231,6 +254,35 @@ contains
          if (range%defined) noise = 0.5_wp*range%high - 0.5_wp*range%low
       end select
    end function law_noise
+
+   !> What a law changes by, times its factor, where places and rates are off by a part of their scales.
+   real(wp) function law_doubt(load, length, moment, law, part) result(doubt)
+      type(force_element_type), intent(in) :: load
+      !> Of the scene
+      real(wp), intent(in) :: length
+      type(moment_type), intent(in) :: moment
+      !> Its place in the moment
+      integer, intent(in) :: law
+      !> Of a place and the length of the scene, or a radian; of a rate
+      real(wp), intent(in) :: part
+      type(range_type) :: range
+      real(wp) :: at(max_slots), change(max_slots)
+      integer :: k
+      doubt = 0.0_wp
+      do k = 1, size(load%slots)
+         at(k) = moment%place(k, law)
+         change(k) = 0.0_wp
+         if (load%slots(k) == 0) cycle
+         change(k) = part*(abs(at(k)) + merge(1.0_wp, length, load%functions(load%slots(k))%kind == scalar_turn))
+         if (.not. load%by_rate(k)) cycle
+         at(k) = moment%rate(k, law)
+         change(k) = part*abs(at(k))
+      end do
+      associate (n => size(load%slots))
+         range = range_within(load, at(:n) - change(:n), at(:n) + change(:n))
+      end associate
+      if (range%defined) doubt = 0.5_wp*range%high - 0.5_wp*range%low
+   end function law_doubt
 
    !> About the largest velocity that a load of unit force gives in a unit of time, rotations and deflections included
    !> [length/(time force time)]: that of the least mass, where it acts on bodies without mass.

@@ -9,7 +9,8 @@ module limber_multibody_system
    use limber_multibody_constraint, only: constraint_item_type, jacobian_type, new_jacobian
    use limber_multibody_constraint_list, only: new_joint, new_driver
    use limber_multibody_kinematics, only: kinematics_type, new_kinematics
-   use limber_multibody_load_list, only: new_loads
+   use limber_multibody_force_elements, only: force_element_type
+   use limber_multibody_load_list, only: new_loads, new_event_scalars
    use limber_multibody_load, only: load_item_type
    use limber_multibody_marker_registry, only: registry_type, start_registry, end_registry
    use limber_multibody_sparse_matrix, only: sparse_type
@@ -24,6 +25,8 @@ module limber_multibody_system
       type(constraint_item_type), allocatable :: constraints(:)
       !> One for each part of the loads of the model, in their order
       type(load_item_type), allocatable :: loads(:)
+      !> Scalars of the events of the model, as laws without a force
+      type(force_element_type), allocatable :: events(:)
       !> Of each body mass, first moment (2) and second moment of mass about the origin of its frame, undeformed; side by side,
       !> since they are all that the steps of a rigid body need (4, bodies)
       real(wp), allocatable :: inertia(:, :)
@@ -114,6 +117,7 @@ contains
       type(model_type), intent(in) :: model
       type(system_type) :: system
       type(load_item_type), allocatable :: loads(:)
+      type(force_element_type), allocatable :: events(:)
       integer :: i
       call start_registry(system, model)
       allocate (system%inertia(4, size(model%bodies)))
@@ -126,6 +130,8 @@ contains
       system%held_angles = size(system%angles)
       call new_loads(system, loads)
       call move_alloc(loads, system%loads)
+      call new_event_scalars(system, events)
+      call move_alloc(events, system%events)
       call end_registry(system)
       system%tree = new_tree(system, system%constraints, system%nc)
       system%powered = .false.

@@ -5,6 +5,7 @@ module limber_scene_outcome
    use limber_base_text, only: newline
    use limber_integrator_bound_steps, only: bound_steps_type
    use limber_monitor_indicators, only: indicators_type
+   use limber_scene_met_events, only: met_events_type
    use limber_output_internal_forces, only: section_forces_type
    implicit none
    private
@@ -53,6 +54,9 @@ module limber_scene_outcome
       real(wp), allocatable :: turned(:)
       !> Steps that the tolerance has not chosen, for companion runs
       type(bound_steps_type) :: bound
+      !> Events met, and how one has ended the motion: event_stop or event_end_step; 0: none has
+      type(met_events_type) :: events
+      integer :: ended = 0
       !> What the user should know, one line after another; not allocated if there is nothing
       character(:), allocatable :: warnings
       !> A warning of vibrations that the integrator does not follow, which what finer runs have verified does not need
@@ -99,6 +103,8 @@ contains
       call snapshot%keep('turned', self%turned)
       call snapshot%exchange('no_energy', self%no_energy)
       call snapshot%keep('warnings', self%warnings)
+      call self%events%exchange(snapshot)
+      call snapshot%exchange('ended', self%ended)
       call self%bound%exchange(snapshot)
       if (allocated(self%indicators)) call self%indicators%exchange(snapshot)
    end subroutine exchange_outcome

@@ -1,6 +1,6 @@
 !> Interrupted runs have the bits of whole ones with all that a run may remember: breaks of drivers and loads, envelopes, axial
 !> coordinates at rest, elements of K_G, redundant constraints, estimates of errors, scalars, prescribed motions, curves, motions
-!> for drawings.
+!> for drawings, events.
 program test_restart_features
    use pieces, only: compare_pieces
    use testing, only: finish
@@ -60,6 +60,13 @@ contains
       call compare_pieces('struck_rod', results, 5, 'END=6*passage', 'END=3*passage', 'TOLERANCE=1e-8', 'TOLERANCE=1e-5')
       call compare_pieces('car_axis', results, 5, 'OUTPUTS=300', 'OUTPUTS=100', 'TOLERANCE=1e-9', 'TOLERANCE=1e-5')
       call compare_pieces('two_link_manipulator', results, 5, 'OUTPUTS=200', 'OUTPUTS=50', 'TOLERANCE=1e-8', 'TOLERANCE=1e-4')
+      ! Events, one of which ends the run
+      do i = 1, size(integrators)
+         call compare_pieces('pendulum', results, 5, 'END=10, TOLERANCE=1e-11, OUTPUTS=200', &
+            & 'END=10, TOLERANCE=1e-5, OUTPUTS=200,'// &
+            & ' INTEGRATOR='//integrators(i), '*OUTPUT', '*EVENT, NAME=side'//nl//' x(bob)'//nl// &
+            & '*EVENT, NAME=sixth, NUMBER=6, ACTION=STOP'//nl//' x(bob) + 0.3'//nl//'*OUTPUT')
+      end do
    end subroutine test_all
 
 end program test_restart_features

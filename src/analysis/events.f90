@@ -1,0 +1,195 @@
+!> Events of a motion: those that count are noted with all channels, and may end it. Floor: analysis. Source: doc/theory, section 5.19.
+module limber_analysis_events
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type
+   use limber_base_snapshot, only: snapshot_type
+   use limber_base_text, only: as_text
+   use limber_analysis_event_search, only: event_search_type, event_crossing_type, start_search, begin_step, find_first, pass_crossing, &
+      & end_step
+   use limber_integrator_integrator, only: integrator_type
+   use limber_model_model, only: event_sample
+   use limber_multibody_system, only: system_type, workspace_type
+   use limber_output_channel_values, only: recorder_type
+   use limber_output_sample_sink, only: memory_type
+   use limber_scene_met_events, only: most_rows
+   use limber_scene_outcome, only: outcome_type, warn
+   use limber_scene_sampling, only: sample_type, record
+   use limber_scene_scene, only: scene_type
+   implicit none
+   private
+   public :: events_type, start_events, begin_events, pass_events
+
+   !> Events between the steps of a motion
+   type :: events_type
+      type(event_search_type) :: search
+      !> Crossings of each that have counted (events)
+      integer, allocatable :: counts(:)
+      !> Whether it has been told of that it cannot be resolved, that it grazes zero (2, events); that no more rows are noted
+      logical, allocatable, private :: told(:, :)
+      logical, private :: full = .false.
+      !> Time at which the step that is done again is to end, and the crossing there
+      real(wp) :: hold = huge(1.0_wp)
+      type(event_crossing_type), private :: held
+      !> Takes the channels at an event
+      type(memory_type), private :: memory
+   contains
+      procedure :: exchange => exchange_events
+   end type events_type
+
+contains
+
+   !> Nothing has been met yet.
+   subroutine start_events(self, system, work, t, q, v, tolerance)
+      type(events_type), intent(out) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Start; coordinates and velocities there (nq)
+      real(wp), intent(in) :: t, q(:), v(:)
+      !> Local error allowed in a step, relative to the scales
+      real(wp), intent(in) :: tolerance
+      call start_search(self%search, system, work, t, q, v, tolerance)
+      allocate (self%counts(size(system%events)), source=0)
+      allocate (self%told(2, size(system%events)), source=.false.)
+   end subroutine start_events
+
+   !> Takes a state for the start of the next step.
+   subroutine begin_events(self, system, work, t, q, v, w)
+      type(events_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Time; coordinates and velocities (nq), work put in
+      real(wp), intent(in) :: t, q(:), v(:), w
+      call begin_step(self%search, system, work, t, q, v, w)
+   end subroutine begin_events
+
+   !> Notes the events within the last step, up to one that ends the motion: there the step is cut. An integrator whose promise holds
+   !> at the ends of its steps does the step again, up to there.
+   subroutine pass_events(self, scene, integrator, recorder, sample, near, t, action, again, outcome, error)
+      type(events_type), intent(inout) :: self
+      type(scene_type), intent(inout) :: scene
+      class(integrator_type), intent(inout) :: integrator
+      type(recorder_type), intent(inout) :: recorder
+      !> Its state is scratch
+      type(sample_type), intent(inout) :: sample
+      !> Times so near that there is no step between them
+      real(wp), intent(in) :: near
+      !> Time up to which the last step counts; that of the event that ends the motion
+      real(wp), intent(inout) :: t
+      !> How the motion ends, event_stop or event_end_step; 0: it goes on
+      integer, intent(out) :: action
+      !> Whether the step has to be done again, up to `hold`
+      logical, intent(out) :: again
+      type(outcome_type), intent(inout) :: outcome
+      type(error_type), allocatable, intent(out) :: error
+      type(event_crossing_type) :: crossing
+      integer :: sides(size(self%counts)), counts(size(self%counts)), rows
+      action = 0
+      again = .false.
+      sides = self%search%side
+      counts = self%counts
+      rows = outcome%events%count
+      do
+         call find_first(self%search, scene%system, scene%work, integrator, t, crossing)
+         if (.not. crossing%found .and. t >= self%hold - near) then
+            ! By round-off, or the error of its output, a step may end right before the crossing at which it is held
+            crossing = self%held
+            crossing%t = t
+         end if
+         if (.not. crossing%found) exit
+         associate (event => scene%system%model%events(crossing%event))
+            if (t >= self%hold - near .and. crossing%event == self%held%event) self%hold = huge(t)
+            if ((event%direction /= 0 .and. event%direction /= crossing%direction) .or. crossing%t < event%after) then
+               call pass_crossing(self%search, scene%system, scene%work, integrator, crossing)
+               cycle
+            end if
+            self%counts(crossing%event) = self%counts(crossing%event) + 1
+            if (event%action /= event_sample .and. self%counts(crossing%event) == event%number) action = event%action
+            if (action > 0 .and. integrator%ends_on_samples .and. crossing%t < t - near) then
+               again = .true.
+               action = 0
+               self%hold = crossing%t
+               self%held = crossing
+               self%search%side = sides
+               self%counts = counts
+               outcome%events%count = rows
+               return
+            end if
+         end associate
+         call note(self, scene, integrator, recorder, sample, crossing, outcome, error)
+         if (allocated(error)) return
+         if (action > 0) then
+            t = crossing%t
+            return
+         end if
+         call pass_crossing(self%search, scene%system, scene%work, integrator, crossing)
+      end do
+      call end_step(self%search)
+      call tell(self, scene%system, outcome)
+   end subroutine pass_events
+
+   !> Notes an event with the channels there.
+   subroutine note(self, scene, integrator, recorder, sample, crossing, outcome, error)
+      type(events_type), intent(inout) :: self
+      type(scene_type), intent(inout) :: scene
+      class(integrator_type), intent(inout) :: integrator
+      type(recorder_type), intent(inout) :: recorder
+      type(sample_type), intent(inout) :: sample
+      type(event_crossing_type), intent(in) :: crossing
+      type(outcome_type), intent(inout) :: outcome
+      type(error_type), allocatable, intent(out) :: error
+      if (outcome%events%count >= most_rows) then
+         if (.not. self%full) call warn(outcome, 'more than '//as_text(most_rows)//' events have been met; from t = '// &
+            & as_text(crossing%t, 6)//' on they are no longer noted')
+         self%full = .true.
+         return
+      end if
+      associate (channels => size(scene%system%model%channels))
+         call self%memory%start(channels, 1, huge(1.0_wp))
+         call integrator%interpolate(crossing%t, sample%q, sample%v, sample%w)
+         call integrator%complete(scene%system, scene%work, crossing%t, sample%q, sample%v)
+         sample%anyhow = .true.
+         call record(scene, crossing%t, crossing%t, integrator, recorder, sample, self%memory, outcome, error)
+         sample%anyhow = .false.
+         if (allocated(error)) return
+         outcome%samples = outcome%samples - 1
+         call outcome%events%add(crossing%t, crossing%event, crossing%direction, self%memory%values(:channels, 1))
+      end associate
+   end subroutine note
+
+   !> Tells of scalars that the search could not resolve, and of those that touch zero.
+   subroutine tell(self, system, outcome)
+      type(events_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(outcome_type), intent(inout) :: outcome
+      integer :: i
+      i = self%search%unresolved
+      if (i > 0) then
+         if (.not. self%told(1, i)) call warn(outcome, "the scalar of event '"//system%model%events(i)%name// &
+            & "' stays at zero, or crosses it ever again, from t = "//as_text(self%search%t, 6)//' on: of its crossings only'// &
+            & ' those are met that show at the ends of steps; use a scalar that does not rest at zero')
+         self%told(1, i) = .true.
+      end if
+      i = self%search%grazing
+      if (i == 0) return
+      if (.not. self%told(2, i)) call warn(outcome, "the scalar of event '"//system%model%events(i)%name// &
+         & "' touches zero at t = "//as_text(self%search%grazed, 8)//' and goes back: whether it crosses is below'// &
+         & ' the error of the run, and no event is noted there')
+      self%told(2, i) = .true.
+   end subroutine tell
+
+   !> Saves or restores it.
+   subroutine exchange_events(self, snapshot)
+      class(events_type), intent(inout) :: self
+      type(snapshot_type), intent(inout) :: snapshot
+      integer :: i, k
+      call self%search%exchange(snapshot)
+      call snapshot%exchange('event_counts', self%counts)
+      do i = 1, size(self%told, 2)
+         do k = 1, 2
+            call snapshot%exchange('told', self%told(k, i))
+         end do
+      end do
+      call snapshot%exchange('full', self%full)
+   end subroutine exchange_events
+
+end module limber_analysis_events

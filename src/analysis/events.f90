@@ -4,8 +4,8 @@ module limber_analysis_events
    use limber_base_error, only: error_type
    use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: as_text
-   use limber_analysis_event_search, only: event_search_type, event_crossing_type, start_search, begin_step, find_first, pass_crossing, &
-      & end_step
+   use limber_analysis_event_search, only: event_search_type, event_crossing_type, start_search, begin_step, find_first, &
+      & pass_crossing, end_step
    use limber_integrator_integrator, only: integrator_type
    use limber_model_model, only: event_sample
    use limber_multibody_system, only: system_type, workspace_type

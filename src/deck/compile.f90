@@ -15,7 +15,7 @@ module limber_deck_compile
    use limber_deck_expression, only: expression_type
    use limber_deck_cursor, only: skip_blanks, peek, next_word, next_number, read_number, letters, digits
    use limber_deck_quantity_names, only: quantity_names
-   use limber_deck_emitter, only: emitter_type, push_constant, push_slot, push_table, emit, fail
+   use limber_deck_emitter, only: emitter_type, push_constant, push_slot, push_table, push_expression, emit, fail
    use limber_deck_operations, only: function_names, function_arity, first_function, op_negate, op_add, op_subtract, &
       & op_multiply, op_divide, op_power
    implicit none
@@ -281,10 +281,34 @@ contains
       else if (.not. parameters%items(found)%valid) then
          c%failed = .true.
          c%silent = .true.
+      else if (allocated(parameters%items(found)%law)) then
+         call parse_named(c, parameters%items(found)%law, word, at, last)
       else
          call push_constant(c, parameters%items(found)%value, at, named=.true.)
       end if
    end subroutine parse_name
+
+   !> The name of an expression stands for its text. Where the time or quantities have no meaning, it may not depend on them.
+   subroutine parse_named(c, law, word, at, last)
+      type(emitter_type), intent(inout) :: c
+      type(expression_type), intent(in) :: law
+      !> Name of the expression, and the columns of its name
+      character(*), intent(in) :: word
+      integer, intent(in) :: at, last
+      character(:), allocatable :: label
+      integer :: i
+      label = without_time(c%variables)
+      if (c%time) label = 'this may depend on the time alone'
+      do i = 1, size(law%slots)
+         if (law%slots(i)%argument == '' .and. .not. c%time) then
+            call fail(c, at, last, "the expression '"//word//"' depends on the time, which has no meaning here", label)
+         else if (law%slots(i)%argument /= '' .and. .not. c%quantities) then
+            call fail(c, at, last, "the expression '"//word//"' depends on "//law%slots(i)%name//'('//law%slots(i)%argument// &
+               & '), which has no meaning here', label)
+         end if
+      end do
+      call push_expression(c, law, at, last)
+   end subroutine parse_named
 
    recursive subroutine parse_function(c, parameters, word, at, last)
       type(emitter_type), intent(inout) :: c

@@ -47,7 +47,7 @@ contains
          call read_row(trim(keyword_table(row)%name), parts(:count), deck, line, ok, diagnostics)
       case (form_assignments)
          do i = 1, count
-            call read_assignment(parts(i), deck, line%fields(i), field_ok, diagnostics)
+            call read_assignment(parts(i), keyword_table(row)%name == 'EXPRESSION', deck, line%fields(i), field_ok, diagnostics)
             ok = ok .and. field_ok
          end do
       case (form_channels)
@@ -191,28 +191,33 @@ contains
       if (fields == 1) text = '1 field'
    end function counted
 
-   !> `name = expression` of *PARAMETER: defines the parameter.
-   subroutine read_assignment(part, deck, field, ok, diagnostics)
+   !> `name = expression` of *PARAMETER or *EXPRESSION: defines the name.
+   subroutine read_assignment(part, of_motion, deck, field, ok, diagnostics)
       type(part_type), intent(in) :: part
+      !> Whether the expression may depend on time and motion
+      logical, intent(in) :: of_motion
       type(deck_type), intent(inout) :: deck
       type(field_type), intent(out) :: field
       logical, intent(out) :: ok
       type(diagnostics_type), intent(inout) :: diagnostics
       type(part_type) :: name, value
       type(parameter_type) :: parameter
+      character(:), allocatable :: what
       integer :: found
       call split_assignment(part, name, value, field)
       ok = .false.
+      what = 'parameter'
+      if (of_motion) what = 'named expression'
       found = deck%parameters%find(name%text)
       if (len(part%text) == 0) then
-         call diagnostics%add(part%origin, 'a parameter is missing between two commas', 'write name = expression')
+         call diagnostics%add(part%origin, 'a '//what//' is missing between two commas', 'write name = expression')
       else if (len(name%text) == 0) then
-         call diagnostics%add(part%origin, "'"//part%text//"' defines no parameter", 'write name = expression')
+         call diagnostics%add(part%origin, "'"//part%text//"' defines no "//what, 'write name = expression')
       else if (.not. is_parameter_name(name%text)) then
-         call diagnostics%add(name%origin, "'"//name%text//"' is not the name of a parameter", &
+         call diagnostics%add(name%origin, "'"//name%text//"' is not the name of a "//what, &
             & 'a letter, then letters, digits and _')
       else if (is_reserved(name%text)) then
-         call diagnostics%add(name%origin, "'"//name%text//"' has a meaning already and cannot be a parameter", &
+         call diagnostics%add(name%origin, "'"//name%text//"' has a meaning already and cannot be a "//what, &
             & 't, pi and the functions are reserved; capitals are not distinguished')
       else if (found > 0) then
          call diagnostics%add(name%origin, "the parameter '"//lowercase(name%text)//"' is defined twice", &
@@ -221,12 +226,18 @@ contains
          call diagnostics%add(name%origin, 'the deck has more than '//as_text(max_parameters)//' parameters')
       else
          field%name = lowercase(name%text)
-         call compile(value%text, value%origin, deck%parameters, field%expression, ok, diagnostics)
-         if (ok) field%value = field%expression%constant_value()
-         if (ok) call deck%parameters%override(field%name, field%value)
+         if (of_motion) then
+            call compile(value%text, value%origin, deck%parameters, field%expression, ok, diagnostics, time=.true., &
+               & quantities=.true.)
+            if (ok) allocate (parameter%law, source=field%expression)
+         else
+            call compile(value%text, value%origin, deck%parameters, field%expression, ok, diagnostics)
+            if (ok) field%value = field%expression%constant_value()
+            if (ok) call deck%parameters%override(field%name, field%value)
+            parameter%value = field%value
+         end if
          if (.not. ok) call tell_words(lowercase(value%text), diagnostics)
          parameter%name = field%name
-         parameter%value = field%value
          parameter%valid = ok
          parameter%origin = name%origin
          call deck%parameters%define(parameter)
@@ -241,6 +252,7 @@ contains
       logical, intent(out) :: ok
       type(diagnostics_type), intent(inout) :: diagnostics
       type(part_type) :: name, value
+      integer :: found
       call split_assignment(part, name, value, field)
       call fill_in(name, deck%parameters, ok, diagnostics)
       if (ok) call fill_in(value, deck%parameters, ok, diagnostics)
@@ -257,6 +269,12 @@ contains
       call compile(value%text, value%origin, deck%parameters, field%expression, ok, diagnostics, &
          & time=.true., quantities=.true.)
       if (.not. ok .or. len(field%name) > 0) return
+      ! A named expression has its name already
+      found = deck%parameters%find(value%text)
+      if (found > 0) then
+         if (allocated(deck%parameters%items(found)%law)) field%name = value%text
+         if (field%name /= '') return
+      end if
       if (size(field%expression%codes) == 1) then
          if (field%expression%codes(1) == op_slot) return
       end if

@@ -185,7 +185,7 @@ contains
       do i = 1, line%count()
          if (i > 1) text = text//', '
          if (len(line%fields(i)%name) > 0) text = text//line%fields(i)%name//' = '
-         if (form == form_assignments) then
+         if (form == form_assignments .and. line%fields(i)%expression%is_constant()) then
             text = text//as_text(line%fields(i)%value)
          else if (size(specs) > 0) then
             text = text//field_text(line, i, specs(min(i, size(specs)))%kind)

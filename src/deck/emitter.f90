@@ -5,12 +5,12 @@ module limber_deck_emitter
    use limber_base_kinds, only: wp
    use limber_deck_origin, only: origin_type, part_of
    use limber_deck_cursor, only: cursor_type
-   use limber_deck_expression, only: slot_type, max_stack, is_binary
+   use limber_deck_expression, only: expression_type, slot_type, max_stack, is_binary
    use limber_deck_operations, only: unary_value, binary_value, unary_complaint, binary_complaint, op_table, op_constant, op_slot, &
       & op_divide
    implicit none
    private
-   public :: emitter_type, push_constant, push_slot, push_table, emit, fail
+   public :: emitter_type, push_constant, push_slot, push_table, push_expression, emit, fail
 
    character(*), parameter :: no_value = 'this expression has no value: '
 
@@ -53,6 +53,62 @@ contains
       c%operands(c%count) = size(c%tables) + 1
       c%tables = [c%tables, data]
    end subroutine push_table
+
+   !> Adds a compiled expression, as if its text stood here.
+   subroutine push_expression(c, expression, at, last)
+      class(emitter_type), intent(inout) :: c
+      type(expression_type), intent(in) :: expression
+      !> Columns of its name
+      integer, intent(in) :: at, last
+      !> Operations of a program at most: named expressions of named expressions grow as powers of two
+      integer, parameter :: most = 20000
+      logical :: named
+      integer :: i
+      if (c%count + size(expression%codes) > most) then
+         call fail(c, at, last, 'the expression has more than 20000 operations', 'write it with fewer named expressions')
+         return
+      end if
+      call reserve(c, size(expression%codes))
+      do i = 1, size(expression%codes)
+         select case (expression%codes(i))
+         case (op_constant)
+            named = .false.
+            if (allocated(expression%named)) named = expression%named(expression%operands(i))
+            call push_constant(c, expression%constants(expression%operands(i)), at, named)
+         case (op_slot)
+            associate (slot => expression%slots(expression%operands(i)))
+               call push_slot(c, slot%name, slot%argument, at, last)
+            end associate
+         case (op_table)
+            associate (first => expression%operands(i))
+               call push_table(c, expression%tables(first:))
+            end associate
+         case default
+            call emit(c, expression%codes(i), at, last)
+         end select
+         if (c%failed) return
+      end do
+   end subroutine push_expression
+
+   !> Makes room for more operations and constants.
+   subroutine reserve(c, more)
+      class(emitter_type), intent(inout) :: c
+      integer, intent(in) :: more
+      integer, allocatable :: codes(:), operands(:)
+      real(wp), allocatable :: values(:)
+      logical, allocatable :: named(:)
+      integer :: n
+      n = size(c%codes) + more
+      allocate (codes(n), operands(n), values(n), named(n))
+      codes(:c%count) = c%codes(:c%count)
+      operands(:c%count) = c%operands(:c%count)
+      values(:c%value_count) = c%values(:c%value_count)
+      named(:c%value_count) = c%named(:c%value_count)
+      call move_alloc(codes, c%codes)
+      call move_alloc(operands, c%operands)
+      call move_alloc(values, c%values)
+      call move_alloc(named, c%named)
+   end subroutine reserve
 
    !> Adds a constant.
    subroutine push_constant(c, value, at, named)

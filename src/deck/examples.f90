@@ -19,6 +19,8 @@ module limber_deck_examples
    type(example_type), parameter :: scene_lines(*) = [ &
       & example_type('HEADING', '*HEADING'), &
       & example_type('HEADING', ' A mass that crosses a simply supported beam at constant speed and bends it'), &
+      & example_type('EXPRESSION', '*EXPRESSION'), &
+      & example_type('EXPRESSION', ' slip = vx(engine) - vx(bracket.seat), beat = sin(2*pi*t)'), &
       & example_type('PARAMETER', '*PARAMETER'), &
       & example_type('PARAMETER', ' sun = 0.03, planet = 0.02, ring = sun + 2*planet, torque = 4'), &
       & example_type('INCLUDE', '*INCLUDE, FILE=steel.inc'), &

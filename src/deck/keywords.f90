@@ -32,6 +32,8 @@ module limber_deck_keywords
       & keyword_type('HEADING', 1, form_text, 0, many, 'A title: free text, stored with the results'), &
       & keyword_type('PARAMETER', many, form_assignments, 1, many, &
       &    'Named numbers, name = expression; usable behind their definition wherever a number is'), &
+      & keyword_type('EXPRESSION', many, form_assignments, 1, many, &
+      &    'Named expressions of time and motion, name = expression; usable behind their definition in all others'), &
       & keyword_type('INCLUDE', many, form_none, 0, 0, 'Reads another file as if it stood here'), &
       & keyword_type('REPEAT', many, form_none, 0, 0, &
       &    'Repeats all up to its *END REPEAT; in names and texts <i>, <i - 1>, ... is a whole number'), &

@@ -1,8 +1,9 @@
-!> Named numbers of *PARAMETER. Floor: deck.
+!> Named numbers of *PARAMETER and named expressions of *EXPRESSION. Floor: deck.
 module limber_deck_parameters
    use limber_base_kinds, only: wp
    use limber_base_names, only: name_index_type
    use limber_base_text, only: lowercase
+   use limber_deck_expression, only: expression_type
    use limber_deck_origin, only: origin_type
    implicit none
    private
@@ -13,12 +14,14 @@ module limber_deck_parameters
    !> Most parameters of a deck
    integer, parameter :: max_parameters = 10000
 
-   !> One parameter
+   !> One parameter, or a named expression
    type :: parameter_type
       !> Name in lower case
       character(name_length) :: name = ''
       !> Its value
       real(wp) :: value = 0.0_wp
+      !> Of a named expression, which may depend on time and motion; else not allocated
+      type(expression_type), allocatable :: law
       !> False if its expression was in error: uses of it are then not reported again
       logical :: valid = .true.
       !> Origin of the name where it is defined

@@ -15,6 +15,7 @@ program test_deck
    implicit none
    !> decks/bad_<name>.inp with its errors in decks/bad_<name>.txt
    character(20), parameter :: bad_decks(*) = [character(20) :: 'binary', 'characters', 'comments_only', 'continuation', &
+      & 'named_expressions', &
       & 'crlf', 'duplicate_names', 'empty', 'expressions', 'fields', 'include_cycle', 'include_duplicate', &
       & 'include_missing', 'long_line', 'many', 'missing_comma', 'names', 'nesting', 'no_keyword', 'once', &
       & 'option_value', 'output', 'parameters', 'power_comment', 'range', 'references', 'repeat', 'required', 'tables', &

@@ -1,4 +1,4 @@
-!> One-sided stops: end of travel, joint limits, ropes that go slack: *STOP. Floor: elements. Source: doc/theory, section 3.9.
+!> One-sided stops: end of travel, joint limits, walls, ropes that go slack: *STOP. Floor: elements. Source: doc/theory, section 3.9.
 module limber_elements_stop
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
@@ -20,7 +20,7 @@ module limber_elements_stop
 
    type(keyword_type), parameter :: keyword = &
       & keyword_type('STOP', many, form_fields, 0, 1, &
-      &    'A one-sided stop: a spring that acts beyond a limit alone, of the distance of two points or of a joint')
+      &    'A one-sided stop: a spring that acts beyond a limit of a joint, of a distance, or of a place beside a wall')
    !> Options: kind, values, unit, default, meaning
    type(option_spec_type), parameter :: options(*) = [ &
       & option_spec_type('STOP', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the stop'), &
@@ -29,12 +29,18 @@ module limber_elements_stop
       & option_spec_type('STOP', 'LEAST', kind_real, '', 'm, rad', '', 'limit below which it pushes; this or MOST, or both'), &
       & option_spec_type('STOP', 'MOST', kind_real, '', 'm, rad', '', &
       & 'limit above which it pulls: a rope that goes slack; elongation counts from LEAST, else from MOST'), &
-      & option_spec_type('STOP', 'STIFFNESS', kind_positive, '', 'N/m, N m/rad', needed, 'force for each unit beyond the limit'), &
+      & option_spec_type('STOP', 'AXIS', kind_real, '', 'rad', '', &
+      &    'the limits are those of the place of the first point along this axis in the section at the second: a wall'), &
+      & option_spec_type('STOP', 'STIFFNESS', kind_positive, '', 'N/m, N m/rad', needed, &
+      &    'force for each unit beyond the limit; with EXPONENT for each unit to this power'), &
+      & option_spec_type('STOP', 'EXPONENT', kind_positive, '', '', '1', &
+      &    'power of the depth beyond the limit, 1 at least; 1.5: balls, cylinders (Hertz)'), &
       & option_spec_type('STOP', 'DAMPING', kind_nonnegative, '', 's/m, s/rad', '0', &
       &    'the force grows by this part for each unit of speed into the stop, and never pulls back (Hunt and Crossley)')]
    !> Fields of its data lines
    type(field_spec_type), parameter :: fields(*) = [ &
-      & field_spec_type('STOP', 'first point', kind_point, '', 'body.point: the distance of the points has the limits'), &
+      & field_spec_type('STOP', 'first point', kind_point, '', &
+      & 'body.point: the distance of the points has the limits, or the place with AXIS'), &
       & field_spec_type('STOP', 'second point', kind_point, '', 'body.point')]
    !> An example, as it stands in a deck of the tests
    character(*), parameter :: example(*) = [character(110) :: &
@@ -93,6 +99,10 @@ contains
       else if (block%given('LEAST') .and. block%given('MOST') .and. block%real('LEAST') > block%real('MOST')) then
          call diagnostics%add(block%origin_of('LEAST'), "stop '"//block%name()//"': LEAST is above MOST", 'exchange them')
       end if
+      if (block%given('AXIS') .and. block%has('JOINT')) call diagnostics%add(block%origin_of('AXIS'), "stop '"//block%name()// &
+         & "': a joint has its own axis", 'remove AXIS, or JOINT')
+      if (block%real('EXPONENT') < 1.0_wp) call diagnostics%add(block%origin_of('EXPONENT'), 'EXPONENT='// &
+         & as_text(block%real('EXPONENT'))//' makes the stop infinitely stiff at the touch', 'give 1 or more')
    end subroutine check_limits
 
    !> Finds the scalar that has the limits: the distance of two points, or the coordinate of a joint.
@@ -122,7 +132,8 @@ contains
       else
          call find_pair(block, model, points, diagnostics)
          if (any(points == 0)) return
-         part = new_part(along_distance, points(1), points(2))
+         part = new_part(merge(along_slide, along_distance, block%given('AXIS')), points(1), points(2))
+         if (block%given('AXIS')) part%angle = block%real('AXIS')
          if (model%points(points(1))%body == model%points(points(2))%body) call diagnostics%add(block%lines(1)%origin_of(2), &
             & "stop '"//block%name()//"' acts between two points of one body", 'name points of two different bodies')
       end if
@@ -156,6 +167,7 @@ contains
          character(*), intent(in) :: direction, depth, sign
          character(:), allocatable :: side
          side = '+('//direction//')*'//as_text(block%real('STIFFNESS'))//'*max(0, '//depth//')'
+         if (block%real('EXPONENT') > 1.0_wp) side = side//'**'//as_text(block%real('EXPONENT'))
          if (block%real('DAMPING') > 0.0_wp) side = side//'*max(0, 1 '//sign//' '//as_text(block%real('DAMPING'))//'*v)'
       end function side
 

@@ -189,6 +189,8 @@ contains
       type(moment_type), intent(in) :: a, b
       integer, intent(in) :: depth
       type(event_crossing_type), intent(inout) :: crossing
+      !> Error of a place within a step, in tolerances of the scene's length: most move by far less than that
+      real(wp), parameter :: share = 0.01_wp
       type(range_type) :: range
       real(wp) :: near
       integer :: i, crossed, open
@@ -204,7 +206,7 @@ contains
             near = 0.0_wp
             ! A scalar that turns back near zero may cross it within the error of the run
             if (self%side(i)*a%slope(i) < 0.0_wp .and. self%side(i)*b%slope(i) > 0.0_wp) near = law_doubt(system%events(i), &
-               & system%model%length, b, i, self%tolerance)
+               & system%model%length, b, i, share*self%tolerance)
             if (range%defined .and. (range%low > near .or. range%high < -near)) cycle
             open = open + 1
             if (crossed == 0) crossed = -i

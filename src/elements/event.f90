@@ -20,7 +20,7 @@ module limber_elements_event
       &    'crossings that count: from below zero to above, from above to below, or both'), &
       & option_spec_type('EVENT', 'ACTION', kind_word, 'SAMPLE|STOP|END STEP', '', 'SAMPLE', 'what happens there'), &
       & option_spec_type('EVENT', 'NUMBER', kind_counting, '', '', '1', &
-      &    'STOP, END STEP: the crossing at which it happens, among those that count'), &
+      &    'STOP, END STEP: the crossing at which it happens, among those that count; counted anew in each *DYNAMICS'), &
       & option_spec_type('EVENT', 'AFTER', kind_real, '', 's', '', 'time before which no crossing counts; default: all count')]
    !> Fields of its data lines
    type(field_spec_type), parameter :: fields(*) = [ &

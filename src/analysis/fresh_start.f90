@@ -12,6 +12,7 @@ module limber_analysis_fresh_start
    use limber_scene_speed_jumps, only: demanded_jumps
    use limber_monitor_run_monitor, only: largest_speed
    use limber_integrator_integrator, only: integrator_type
+   use limber_model_model, only: ground
    use limber_multibody_equations_of_motion, only: linearise, mechanical_energy, worst_constraint
    use limber_multibody_projection, only: settle
    use limber_multibody_redundant_constraints, only: constraint_names
@@ -78,7 +79,8 @@ contains
          call settle(system, work, t, sample%q, sample%v, sample%a, .true., residual, error)
          if (allocated(error)) return
          call mechanical_energy(system, work, sample%q, sample%v, energy(1), energy(2))
-         if (largest_speed(system, sample%v - sample%change) > impact*max(fastest, largest_speed(system, sample%v)) .and. &
+         if (largest_speed(system, of_others(system, sample%v - sample%change)) > impact*max(fastest, largest_speed(system, &
+            & sample%v)) .and. &
             & any(demanded > 0.0_wp)) call warn(outcome, impact_text(system, t, demanded > 0.0_wp, sum(energy) - before))
          if (watched) call observe_state(scene, t, merge(behind_break, in_motion, jumps), sample, outcome)
          integrator%work_at_start = sample%w + sum(energy) - before
@@ -105,12 +107,42 @@ contains
          before = sum(energy, mask=kept)
          call settle(system, work, scene%begin, scene%q, scene%v, change, .true., residual, error)
          if (allocated(error) .or. .not. kept .or. .not. any(demanded)) return
-         if (largest_speed(system, scene%v - earlier) <= impact*max(largest_speed(system, earlier), largest_speed(system, &
-            & scene%v))) return
+         if (largest_speed(system, of_others(system, scene%v - earlier)) <= impact*max(largest_speed(system, earlier), &
+            & largest_speed(system, scene%v))) return
          call mechanical_energy(system, work, scene%q, scene%v, energy(1), energy(2))
          scene%warnings = scene%warnings//'warning: '//impact_text(system, scene%begin, demanded, sum(energy) - before)//newline
       end associate
    end subroutine meet_drivers
+
+   !> Changes of velocity, without those of rigid bodies that drivers move by themselves: a road that a table lifts has no impact.
+   pure function of_others(system, change) result(others)
+      type(system_type), intent(in) :: system
+      !> (nq)
+      real(wp), intent(in) :: change(:)
+      real(wp) :: others(size(change))
+      logical :: alone(size(system%layout%q)), moved(size(system%layout%q))
+      integer :: i, side, body
+      alone = .true.
+      moved = .false.
+      do i = 1, size(system%constraints)
+         associate (item => system%constraints(i)%item)
+            do side = 1, size(item%bodies)
+               body = item%bodies(side)
+               if (body == ground) cycle
+               moved(body) = .true.
+               alone(body) = alone(body) .and. item%driven .and. count(item%bodies /= ground) == 1
+            end do
+         end associate
+      end do
+      others = change
+      do i = 1, size(system%layout%q)
+         if (.not. (alone(i) .and. moved(i)) .or. system%layout%n(i) > 0) cycle
+         associate (first => system%layout%q(i))
+            others(first:first + 1) = 0.0_wp
+            if (system%layout%framed(i)) others(first + 2:first + 3) = 0.0_wp
+         end associate
+      end do
+   end function of_others
 
    !> What is told of velocities that jump.
    function impact_text(system, t, demanded, energy) result(text)

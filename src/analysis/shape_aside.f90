@@ -150,10 +150,14 @@ contains
       !> As it was seen there; its place among the exact beams
       type(beam_watch_type), intent(in) :: beam
       integer, intent(in) :: which
+      !> Moment that is none, relative to the largest force and the length of the beam: round-off of a beam that only stretches
+      real(wp), parameter :: none = 1.0e-8_wp
       real(wp), allocatable :: own(:), other(:)
       real(wp) :: there
       integer :: k, first
       associate (new => self%aside%scene, reach => self%reach(which))
+         self%moment(which) = max(self%moment(which), none*maxval(abs(beam%effort%exact(:2, :)))* &
+            & scene%system%model%bodies(beam%body)%reduced%exact%total)
          call gather_exact(reach%effort, new%system, new%work, beam%body, reach%recovery, new%q, self%aside%balance%v, &
             & self%aside%balance%a)
          call settled_moments(scene%system, beam%body, q, beam%effort%exact, own)

@@ -5,7 +5,7 @@ module limber_commands_sweep_pool
    use limber_base_process, only: queue_type, new_queue, next_in_queue, taken_of_queue, start_copy, end_copy, ask_copy, &
       & wait_for_copy, pause_shortly, parent_number
    use limber_base_signals, only: catch_signals, signal_came
-   use limber_base_text, only: as_text, newline
+   use limber_base_text, only: as_text
    use limber_commands_batch, only: batch_type
    use limber_commands_run, only: run_one
    use limber_commands_sweep_plan, only: sweep_type, row_overrides
@@ -151,7 +151,6 @@ contains
       type(row_type), intent(out) :: row
       type(error_type), allocatable :: error
       character(:), allocatable :: report
-      integer :: k
       if (allocated(batch%overrides)) deallocate (batch%overrides)
       if (allocated(batch%scalars)) deallocate (batch%scalars)
       allocate (batch%overrides, source=row_overrides(sweep, i))
@@ -165,11 +164,22 @@ contains
          row%message = error%message
       else if (allocated(batch%warnings)) then
          row%message = batch%warnings
-         row%warnings = count([(batch%warnings(k:k) == newline, k=1, len(batch%warnings))])
+         row%warnings = warnings_in(batch%warnings)
       end if
       if (.not. allocated(batch%scalars)) allocate (batch%scalars(size(sweep%scalars)), source=0.0_wp)
       allocate (row%scalars, source=batch%scalars)
    end subroutine run_row
+
+   !> Number of warnings in a text; each has its word once, and may have several lines.
+   pure integer function warnings_in(text) result(number)
+      character(*), intent(in) :: text
+      character(*), parameter :: word = 'warning: '
+      integer :: i
+      number = 0
+      do i = 1, len(text) - len(word) + 1
+         if (text(i:i + len(word) - 1) == word) number = number + 1
+      end do
+   end function warnings_in
 
    !> Where the history of a row is, if it is kept.
    pure function history_name(folder, key) result(name)

@@ -48,12 +48,12 @@ contains
       if (count > 0) model%dynamics = model%steps(1)%dynamics
       if (model%accuracy%target > 0.0_wp .and. count > 0 .and. .not. single_dynamics(model)) call diagnostics%add( &
          & deck%blocks(deck%find('ACCURACY'))%origin_of('TARGET'), 'an accuracy can be asked of a single *DYNAMICS only', &
-         & 'remove TARGET or the other analyses; *ASSEMBLY, INITIAL DEFLECTIONS=STATIC starts with beams '// &
-         & 'in balance, and bodies that hang at rest in the deck')
+         & 'remove TARGET or the other analyses. Beams start in balance by *ASSEMBLY, INITIAL DEFLECTIONS=STATIC; bodies on'// &
+         & ' springs start so at the X, Y, ANGLE that a run of *STATICS alone has found')
       if (model%accuracy%estimate .and. count > 0 .and. .not. single_dynamics(model)) call diagnostics%add( &
          & deck%blocks(deck%find('ACCURACY'))%origin_of('ESTIMATE'), 'errors are estimated of a single *DYNAMICS only', &
-         & 'remove ESTIMATE or the other analyses; *ASSEMBLY, INITIAL DEFLECTIONS=STATIC starts with beams '// &
-         & 'in balance, and bodies that hang at rest in the deck')
+         & 'remove ESTIMATE or the other analyses. Beams start in balance by *ASSEMBLY, INITIAL DEFLECTIONS=STATIC; bodies on'// &
+         & ' springs start so at the X, Y, ANGLE that a run of *STATICS alone has found')
    end subroutine add_analyses
 
    !> Whether the model has exactly one analysis, and it is *DYNAMICS.

@@ -37,7 +37,8 @@ contains
          if (moving == '') return
          call diagnostics%warn(deck%blocks(step%block)%origin, moving//' by a law of time, while '//growing// &
             & ' from zero to its full size at t = '//as_text(step%dynamics%end, 6), &
-            & 'add RAMP=NO for its full size from the start; RAMP=YES if this is meant')
+            & 'add PERIOD=0, RAMP=NO for a balance at one instant; RAMP=NO for the full size from the start; RAMP=YES if this'// &
+            & ' is meant')
       end associate
    end subroutine warn_of_ramp
 

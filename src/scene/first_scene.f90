@@ -313,7 +313,7 @@ contains
       if (max(scene%deck%find('BEAM'), scene%deck%find('FRAME')) == 0) then
          call diagnostics%warn(scene%deck%blocks(scene%deck%find('ASSEMBLY'))%origin_of('INITIAL DEFLECTIONS'), &
             & 'no body of the deck deflects: bodies start where they are given, in balance or not', &
-            & 'let *STATICS find a balance before this analysis')
+            & 'let *STATICS find a balance before this analysis, or give bodies the X, Y, ANGLE that it finds')
          return
       end if
       allocate (q, source=scene%q)

@@ -10,7 +10,7 @@ module limber_analysis_crossing_judgement
    use limber_multibody_system, only: system_type
    implicit none
    private
-   public :: crossings_type, is_plain, no_matter, largest_of, judge_quarters, is_unseen, is_met, is_none
+   public :: crossings_type, is_plain, no_matter, largest_of, judge_quarters, is_unseen, is_met, is_none, spoils_output
 
    !> What has been found in a step: nothing; a bend or a jump of a law; a place where a law comes up that the step has not seen
    integer, parameter, public :: found_nothing = 0, found_bend = 1, found_jump = 2, found_pulse = 3
@@ -204,6 +204,22 @@ contains
             & max(minval(ends) - moment%force(i), moment%force(i) - maxval(ends)) > most
       end do
    end function is_unseen
+
+   !> Whether a law behind a change of its formula reaches the dense output before it by more than is felt. The stages of a step behind
+   !> the change share in the polynomial of the whole step, and the estimate of its error may be zero by chance.
+   pure logical function spoils_output(self, before, law) result(spoils)
+      type(crossings_type), intent(in) :: self
+      !> The moment right before the change
+      type(moment_type), intent(in) :: before
+      integer, intent(in) :: law
+      !> Weight of the last stage in a step of Radau's formula
+      real(wp), parameter :: weight = 1.0_wp/9
+      real(wp) :: beyond
+      associate (end => self%quarters(4))
+         beyond = abs(end%force(law) - before%force(law) - before%slope(law)*(end%t - before%t))
+      end associate
+      spoils = weight*beyond > self%felt(law)
+   end function spoils_output
 
    !> Whether a change of formula up to a moment is a crossing that has just been met: by round-off the state at the start of the
    !> step is still before it, right behind it in time or as long as nothing moves. Laws with the same argument, as components of a

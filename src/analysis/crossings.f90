@@ -5,7 +5,8 @@ module limber_analysis_crossings
    use limber_base_kinds, only: wp, long
    use limber_base_error, only: error_type
    use limber_analysis_crossing_judgement, only: crossings_type, is_plain, no_matter, largest_of, judge_quarters, is_unseen, &
-      & is_met, is_none, found_nothing, found_bend, found_jump, found_pulse, deepest, little, slight, just_met, met_again
+      & is_met, is_none, spoils_output, found_nothing, found_bend, found_jump, found_pulse, deepest, little, slight, &
+      & just_met, met_again
    use limber_analysis_sticking, only: note_step, count_jump, crawl
    use limber_deck_range, only: range_type
    use limber_integrator_integrator, only: integrator_type
@@ -341,8 +342,9 @@ contains
       if (changed > 0 .and. b%t - a%t <= max(8*spacing(b%t), fine*h)) then
          call take_crossing(self, system, integrator, a, b, changed)
          ! Right behind the start there is nothing to be done again
-         if (self%found /= found_nothing .and. b%t < self%quarters(4)%t - last*h .and. &
-            & b%t > self%quarters(0)%t + max(just_met*h, 64*spacing(b%t))) self%again = is_unseen(self, system, a)
+         if (self%found == found_nothing .or. b%t <= self%quarters(0)%t + max(just_met*h, 64*spacing(b%t))) return
+         if (b%t < self%quarters(4)%t - last*h) self%again = is_unseen(self, system, a)
+         if (integrator%sees_inside) self%again = self%again .or. spoils_output(self, a, changed)
          return
       end if
       if (changed == 0 .and. (.not. opens .or. self%looks >= most_looks .or. b%t - a%t <= coarse*h)) return

@@ -24,6 +24,7 @@ module limber_analysis_dynamic_analysis
    use limber_scene_outcome, only: outcome_type, warn
    use limber_scene_sampling, only: sample_type, sample_time, record, look_between, check_energy, check_residuals
    use limber_scene_scene, only: scene_type, seconds_since
+   use limber_analysis_ringing_springs, only: ringing_springs_type
    use limber_analysis_stiffening, only: stiffening_type, watch_stiffness, stiffness_warning
    use limber_analysis_turn_steps, only: turning_type, start_turning, turn_time, watch_turning
    use limber_analysis_unfollowed, only: unfollowed_type, start_unfollowed, watch_channels, unfollowed_warning, shows_vibrations
@@ -163,6 +164,7 @@ contains
       real(wp), allocatable :: breaks(:), stations(:)
       type(stiffening_type) :: stiffening
       type(unfollowed_type) :: unfollowed
+      type(ringing_springs_type) :: springs
       type(jump_watch_type) :: watch
       type(turning_type) :: turning
       type(crossings_type) :: crossings
@@ -193,6 +195,7 @@ contains
       call new_curve_watch(curves, scene%system, dynamics%end - dynamics%start, integrator%tolerance)
       if (size(curves%joints) > 0) call begin_curves(curves, scene%system, scene%work, t, scene%q, scene%v, 0.0_wp)
       if (recorder%needs_accelerations) call start_unfollowed(unfollowed, scene)
+      if (recorder%needs_accelerations .and. dynamics%integrator == 'CONSERVING') call springs%start(scene%system)
       call new_pieces(pieces, scene%system, dynamics%start, dynamics%end - dynamics%start)
       if (size(pieces%paths) > 0) call begin_pieces(pieces, scene%system, scene%work, t, scene%q, scene%v)
       call start_watch(watch, t, scene%v)
@@ -349,6 +352,8 @@ contains
          type is (adams_type)
             is_adams = .true.
          end select
+         text = springs%warning(scene%system)
+         if (text /= '') call warn(outcome, text)
          outcome%unfollowed = unfollowed_warning(unfollowed, scene%system, integrator%ringing, is_adams, dynamics)
          text = ''
          if (.not. shows_vibrations(unfollowed, integrator%ringing)) text = stiffness_warning(stiffening, &
@@ -558,6 +563,7 @@ contains
          call sample%exchange(snapshot)
          call stiffening%exchange(snapshot)
          if (unfollowed%watched) call unfollowed%exchange(snapshot)
+         call springs%exchange(snapshot)
          call costs%exchange(snapshot)
          if (snapshot%restoring .and. allocated(costs%now)) call replace_integrator(scene, dynamics, costs, dynamics%start, &
             & sample, integrator, error)
@@ -605,6 +611,7 @@ contains
             call record(scene, at, sample_time(dynamics, sample%next), integrator, recorder, sample, history, outcome, error)
             if (sample%ungripped .and. .not. allocated(error)) call record_aside(at)
             if (allocated(error)) exit
+            call springs%look(scene%system, integrator%ringing, sample%a)
             call watch_channels(unfollowed, scene, integrator%ringing, at, dynamics, recorder, sample)
             sample%next = sample%next + 1
          end do

@@ -26,9 +26,10 @@ module limber_elements_stop
       & option_spec_type('STOP', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the stop'), &
       & option_spec_type('STOP', 'JOINT', kind_reference, 'JOINT', '', '', &
       &    'REVOLUTE: limits of joint_angle, turns counted; POINT ON LINE, TRANSLATIONAL: limits of displacement'), &
-      & option_spec_type('STOP', 'LEAST', kind_real, '', 'm, rad', '', 'limit below which it pushes; this or MOST, or both'), &
+      & option_spec_type('STOP', 'LEAST', kind_real, '', 'm, rad', '', &
+      & 'limit below which it pushes, tension < 0; this or MOST, or both'), &
       & option_spec_type('STOP', 'MOST', kind_real, '', 'm, rad', '', &
-      & 'limit above which it pulls: a rope that goes slack; elongation counts from LEAST, else from MOST'), &
+      & 'limit above which it pulls, tension > 0: a rope that goes slack; elongation counts from LEAST, else from MOST'), &
       & option_spec_type('STOP', 'AXIS', kind_real, '', 'rad', '', &
       &    'the limits are those of the place of the first point along this axis in the section at the second: a wall'), &
       & option_spec_type('STOP', 'STIFFNESS', kind_positive, '', 'N/m, N m/rad', needed, &
@@ -86,7 +87,7 @@ contains
          call set_law(part, law, 1.0_wp)
          call append_part(model, part)
          call name_load(model, block%name(), size(model%load_parts))
-         call describe_load(model, stretches=.true., angular=part%along == along_angle)
+         call describe_load(model, stretches=.true., angular=part%along == along_angle, from_second=.true.)
       end associate
    end subroutine read
 

@@ -82,16 +82,17 @@ contains
    end subroutine name_load
 
    !> Sets what *OUTPUT and drawings can ask of the last load; the default is nothing.
-   pure subroutine describe_load(model, stretches, angular, holds_sections, symbol)
+   pure subroutine describe_load(model, stretches, angular, holds_sections, symbol, from_second)
       type(model_type), intent(inout) :: model
       !> As in `named_load_type`
-      logical, intent(in), optional :: stretches, angular, holds_sections
+      logical, intent(in), optional :: stretches, angular, holds_sections, from_second
       character(*), intent(in), optional :: symbol
       associate (load => model%loads(size(model%loads)))
          if (present(stretches)) load%stretches = stretches
          if (present(angular)) load%angular = angular
          if (present(holds_sections)) load%holds_sections = holds_sections
          if (present(symbol)) load%symbol = symbol
+         if (present(from_second)) load%from_second = from_second
       end associate
    end subroutine describe_load
 

@@ -305,6 +305,8 @@ module limber_model_model
       !> components
       !> in the axes of the second
       logical :: stretches = .false., angular = .false., holds_sections = .false.
+      !> Of an angle: whether it is that of the first body less that of the second, as joint_angle; else the other way
+      logical :: from_second = .false.
       !> Name of its symbol in drawings; empty: it is not drawn
       character(:), allocatable :: symbol
    end type named_load_type

@@ -55,7 +55,7 @@ module limber_model_quantities
       & quantity_spec_type('force_y', of_pusher, [1, -2, 1], .false., &
       &    'force along y of a joint or bushing on its first body; with redundant joints that of least norm'), &
       & quantity_spec_type('torque', of_turner, [2, -2, 1], .false., &
-      &    'torque of a driver that drives an angle, or of a rotational spring on its first body'), &
+      &    'torque of a driver that drives an angle; of a rotational spring, or a stop, on its first body'), &
       & quantity_spec_type('kinetic_energy', of_system, [2, -2, 1], .false., &
       &    'kinetic energy of the whole: kinetic_energy(system)'), &
       & quantity_spec_type('potential_energy', of_system, [2, -2, 1], .false., &
@@ -69,7 +69,7 @@ module limber_model_quantities
       & quantity_spec_type('rotation', of_flexible_point, [0, 0, 0], .true., &
       &    'rotation of the section at a point of a beam or frame within the body''s frame'), &
       & quantity_spec_type('tension', of_translational, [1, -2, 1], .false., &
-      &    'pull of a spring and its damper on their points'), &
+      &    'pull of a spring and its damper, or of a stop, on their points'), &
       & quantity_spec_type('force_1', of_joint, [1, -2, 1], .false., &
       &    'force of a joint on its first body along the first axis of the second body''s frame, as angle tells'), &
       & quantity_spec_type('force_2', of_joint, [1, -2, 1], .false., 'the same along the second axis'), &

@@ -2,7 +2,7 @@
 module limber_output_load_channels
    use limber_base_kinds, only: wp
    use limber_model_quantities, only: quantity_force_x, quantity_force_y, quantity_moment, quantity_power, quantity_elongation, &
-      & quantity_rate
+      & quantity_rate, quantity_torque
    use limber_model_model, only: quantity_type
    use limber_multibody_force_elements, only: force_element_type
    use limber_multibody_kinematics, only: kinematics_type
@@ -36,6 +36,7 @@ contains
             value = spring_value(system%loads(last)%item, work%kinematics, quantity_moment)
          case default
             value = spring_value(system%loads(first)%item, work%kinematics, quantity%kind)
+            if (quantity%kind == quantity_torque .and. system%model%loads(quantity%of)%from_second) value = -value
          end select
       end associate
    end function load_value

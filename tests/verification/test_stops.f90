@@ -25,6 +25,8 @@ program test_stops
       call check_bush(trim(integrators(i)))
       call check_wall(trim(integrators(i)))
    end do
+   call check_sign()
+   call check_rebounds()
    call check_refused(', AXIS=0.2, JOINT=rail, MOST=1', 'a joint has its own axis')
    call check_refused(', JOINT=rail, MOST=1, EXPONENT=0.5', 'infinitely stiff')
    call finish()
@@ -112,6 +114,43 @@ contains
       call check_close(u(size(u)), 0.5_wp + depth, 1.0e-7_wp, integrator//': place beside a wall that turns')
       call check_close(force(size(force)), 1.0e4_wp*depth, 1.0e-2_wp, integrator//': force of the wall')
    end subroutine check_wall
+
+   !> A bar rests on a limit of its joint: the stop pushes the first body up. The other order of bodies: the first is the ground.
+   subroutine check_sign()
+      real(wp), allocatable :: angle(:), torque(:)
+      integer :: i
+      do i = 1, 2
+         call run_scene('RADAU', '*GRAVITY, X=0, Y=-9.81'//nl//'*RIGID BODY, NAME=bar, MASS=2, INERTIA=0.1, CENTRE X=0.25'//nl// &
+            & '*JOINT, NAME=pin, TYPE=REVOLUTE'//nl// &
+            & merge(' bar.origin, ground.origin', ' ground.origin, bar.origin', i == 1)//nl// &
+            & '*STOP, NAME=s, JOINT=pin, STIFFNESS=1e6, DAMPING=50, '//trim(merge('LEAST=-0.1', 'MOST=0.1  ', i == 1))//nl, &
+            & '9', ' angle(bar), torque(s)')
+         angle = values('angle_bar')
+         torque = values('torque_s')
+         call check_close(torque(size(torque)), 2*9.81_wp*0.25_wp*cos(angle(size(angle)))*merge(1, -1, i == 1), 1.0e-4_wp, &
+            & 'torque of a stop on its first body')
+      end do
+   end subroutine check_sign
+
+   !> The speed behind an undamped stop is that before it, whatever the steps: by RADAU at 1e-7, errors of 607 tolerances where the
+   !> stop lay in the middle of a step.
+   subroutine check_rebounds()
+      real(wp), allocatable :: v(:)
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report
+      character(8) :: speed
+      integer :: i
+      do i = 1, 30
+         write (speed, '(f8.4)') 2.2881_wp + 0.0137_wp*(i - 1)
+         call run_text('*POINT MASS, NAME=m, MASS=0.6, X=0.6, VX=-'//trim(adjustl(speed))//nl//'*STOP, NAME=s, LEAST=0.4,'// &
+            & ' STIFFNESS=3000'//nl//' m, ground.origin'//nl// &
+            & '*DYNAMICS, END=2, OUTPUTS=20, TOLERANCE=1e-7, INTEGRATOR=RADAU'//nl//'*OUTPUT'//nl//' vx(m)'// &
+            & nl, trim(results), report, error)
+         call check_no_error(error, 'rebound')
+         v = values('vx_m')
+         call check_close(v(size(v)), 2.2881_wp + 0.0137_wp*(i - 1), 1.0e-6_wp, 'speed behind an undamped stop')
+      end do
+   end subroutine check_rebounds
 
    !> Checks that a stop is refused, with a text.
    subroutine check_refused(options, text)

@@ -12,9 +12,9 @@ module limber_monitor_indicator_start
    use limber_beam_monitored_sections, only: new_stations, patch_type
    use limber_model_distributed_loads, only: spread_parts
    use limber_model_model, only: place_at_point, place_on_line, place_on_curve, place_on_beam, ground, body_rigid, body_type
-   use limber_model_quantities, only: quantity_shear_force, quantity_bending_moment, quantity_stress_top, &
-      & quantity_stress_bottom, quantity_deflection, quantity_u1, quantity_u2, quantity_rotation, quantity_moment, &
-      & quantity_axial_force, quantity_force_x, quantity_force_y, quantity_force_1, quantity_force_2
+   use limber_model_quantities, only: quantity_ax, quantity_axial_force, quantity_ay, quantity_bending_moment, &
+      & quantity_deflection, quantity_force_1, quantity_force_2, quantity_force_x, quantity_force_y, quantity_moment, &
+      & quantity_rotation, quantity_shear_force, quantity_stress_bottom, quantity_stress_top, quantity_u1, quantity_u2
    use limber_multibody_system, only: system_type
    use limber_output_point_forces, only: new_pulls, pulled_points
    implicit none
@@ -84,11 +84,14 @@ contains
    subroutine find_shown(self, system)
       type(indicators_type), intent(inout) :: self
       type(system_type), intent(in) :: system
+      integer, parameter :: pulls(*) = [quantity_ax, quantity_ay, quantity_force_x, quantity_force_y, quantity_force_1, &
+         & quantity_force_2, quantity_moment, quantity_axial_force, quantity_shear_force, quantity_bending_moment]
       integer :: i, j, body
       associate (model => system%model)
          do i = 1, size(model%channels)
             do j = 1, size(model%channels(i)%quantities)
                associate (quantity => model%channels(i)%quantities(j))
+                  if (any(quantity%kind == pulls)) self%bodies%phase%pulled = .true.
                   if (quantity%kind == quantity_moment .and. .not. (quantity%of_load .or. quantity%of_coupler)) &
                      & call show_reaction(quantity%of)
                   call show_axial(self, system, quantity%kind, quantity%of, quantity%of_load .or. quantity%of_coupler)

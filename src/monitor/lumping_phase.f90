@@ -33,6 +33,8 @@ module limber_monitor_lumping_phase
       logical :: shown = .false.
       !> Whether channels ask for section forces or reactions, in which fast vibrations count more
       logical :: strained = .false.
+      !> Whether channels ask for accelerations or forces: those of a swing go to and fro twice as often as its places
+      logical :: pulled = .false.
       !> Where its frame is at first (4), and how far it moves, the rotation times the size of the body [length]
       real(wp) :: home(4) = 0.0_wp, way = 0.0_wp
       !> Square of the coordinates that deflect the body by next to nothing
@@ -435,7 +437,8 @@ contains
       if (.not. self%shown .and. self%way > deflection) error = error*deflection/self%way
       if (.not. (self%free .and. self%heavy > 0.0_wp .and. self%swung(2) > 0.0_wp)) return
       if (self%swung(1) <= little*sqrt(0.5_wp*self%swung(2)*self%looks)) return
-      error = max(error, self%swing*sqrt(self%swung(2)/self%swung(1))*max(0.0_wp, self%span(2) - self%span(1)))
+      error = max(error, merge(2.0_wp, 1.0_wp, self%pulled)*self%swing*sqrt(self%swung(2)/self%swung(1))* &
+         & max(0.0_wp, self%span(2) - self%span(1)))
    end function phase_error
 
    !> Joins an analysis to those before it.

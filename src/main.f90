@@ -10,6 +10,7 @@ program limber
    use limber_base_fault, only: add_fault
    use limber_base_libraries, only: keep_heap, use_one_thread
    use limber_base_signals, only: end_by_signals, let_writes_fail
+   use limber_base_text, only: newline
    use limber_commands_advise, only: advise_deck
    use limber_commands_check, only: check_deck
    use limber_commands_command_line, only: command_type, read_command, usage
@@ -63,8 +64,23 @@ program limber
       flush (output_unit)
       call leave(error%status)
    end if
-   if (len(report) > 0 .and. .not. command%quiet) write (output_unit, '(a)') report
+   if (command%quiet) report = warnings_of(report)
+   if (len(report) > 0) write (output_unit, '(a)') report
    flush (output_unit)
    call leave(merge(0, 1, same))
+
+contains
+
+   !> What --quiet leaves of a report: the warnings of a run, which stand before the line of its deck.
+   function warnings_of(report) result(text)
+      character(*), intent(in) :: report
+      character(:), allocatable :: text
+      integer :: first
+      text = ''
+      if (command%verb /= 'run') return
+      first = index(newline//report, newline//trim(command%words(1))//': ')
+      ! Before the line feed that ends them
+      if (first > 2) text = report(:first - 2)
+   end function warnings_of
 
 end program limber

@@ -53,7 +53,7 @@ contains
          & 'limber: dynamics of planar flexible multibody systems', &
          & '', &
          & '   limber run DECK [--set NAME=VALUE ...] [-o FILE] [--force] [--quiet] [--restart] [--checkpoint S]', &
-         & '                       run a deck; results in FILE (else its name with the ending .h5); --quiet shows warnings alone;', &
+         & '                       run a deck; results in FILE (else its name with the ending .h5); --quiet: warnings alone;', &
          & '                       with other values of parameters. Each S seconds (600) and when a signal ends it (INT, TERM,', &
          & '                       USR1) it writes a checkpoint beside FILE, from which --restart goes on to the same bits;', &
          & '                       without results --restart begins, and complete ones it leaves as they are', &

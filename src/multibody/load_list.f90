@@ -52,8 +52,10 @@ contains
       !> In the order of the events
       type(force_element_type), allocatable, intent(out) :: scalars(:)
       type(load_part_type) :: none
-      integer :: i, k
-      allocate (scalars(size(system%model%events)))
+      integer :: i, k, number
+      number = 0
+      if (allocated(system%model%events)) number = size(system%model%events)
+      allocate (scalars(number))
       do i = 1, size(scalars)
          associate (scalar => scalars(i), slots => size(system%model%events(i)%quantities))
             scalar%factor = 1.0_wp

@@ -319,8 +319,8 @@ contains
       value = maxval(layer_errors(self))
    end function layer_error
 
-   !> Errors there of shear forces, of bending moments, and of moments of joints, nought of what no channel asks for (3), as measured
-   !> on cantilevers against the length that each coordinate has, eq. (7.19).
+   !> Errors there of shear forces, of bending moments, and of moments of joints, nought of what no channel asks for (3), as
+   !> measured on cantilevers against the length that each coordinate has, eq. (7.19).
    pure function layer_errors(self) result(errors)
       type(body_indicators_type), intent(in) :: self
       real(wp) :: errors(3), share

@@ -68,8 +68,8 @@ module limber_multibody_system
       real(wp), allocatable :: eta_rows(:, :)
       !> Their parts on r' and omega, after the condensation of eta once the system is factored (3, rows)
       real(wp), allocatable :: frame_rows(:, :)
-      !> Where the mass matrix of the frame (count, count), the parts of the constraint rows on it, as they are and transposed (rows,
-      !> count), and what eta adds between these rows (rows, rows), stand in the multiplier matrix
+      !> Where the mass matrix of the frame (count, count), the parts of the constraint rows on it, as they are and transposed
+      !> (rows, count), and what eta adds between these rows (rows, rows), stand in the multiplier matrix
       integer, allocatable :: frame_place(:, :), across_place(:, :), transposed_place(:, :), rows_place(:, :)
       !> Of an exact beam (else not allocated) the mass matrix of its coordinates and its Cholesky factor, in the lower triangle
       !> (n, n); and a centreline for what is asked at other states

@@ -25,8 +25,8 @@ module limber_scene_outcome
       !> Of each joint -1 behind a warning of what it takes for granted; of wheels, the distance of their centres at the first
       !> sample (joints)
       real(wp), allocatable :: centres(:)
-      !> Of each constraint the largest velocity residual at a sample, its time, and the largest speed that a side of it makes, or its
-      !> law [length/time or 1/time] (constraints); not allocated without any
+      !> Of each constraint the largest velocity residual at a sample, its time, and the largest speed that a side of it makes, or
+      !> its law [length/time or 1/time] (constraints); not allocated without any
       real(wp), allocatable :: slip(:), slip_time(:), slip_speed(:)
       !> Whether a sample could not be brought onto the constraints
       logical :: astray = .false.

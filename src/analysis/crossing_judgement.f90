@@ -264,6 +264,8 @@ contains
       call snapshot%exchange('crossing_rest', self%rest)
       call snapshot%exchange('crossing_next_rest', self%next_rest)
       call self%sticking%exchange(snapshot)
+      ! Not saved: quarters, halves, trial_q, trial_v, allowed, steep, felt, width, excess, smooth, stored, behind, ahead, effect
+      ! Not saved: nothing, idle, looks, duration, tolerance, found, which, again, t
    end subroutine exchange_crossings
 
 end module limber_analysis_crossing_judgement

@@ -329,6 +329,7 @@ contains
       call snapshot%keep('own_stiff', self%stiff)
       call snapshot%keep('own_square', self%square)
       call snapshot%keep('own_damping', self%damping)
+      ! Not saved: body, beside, length, small
    end subroutine exchange_motions
 
 end module limber_analysis_own_motions

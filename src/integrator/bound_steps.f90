@@ -103,6 +103,7 @@ contains
       call snapshot%keep('bound_time', self%bound)
       call snapshot%keep('bound_passed', self%passed)
       call snapshot%keep('bound_power', self%power)
+      ! Not saved: factor
    end subroutine exchange_bound_steps
 
 end module limber_integrator_bound_steps

@@ -642,6 +642,7 @@ contains
       call snapshot%exchange('h', self%h)
       call snapshot%exchange('h_factors', self%h_factors)
       call snapshot%exchange('rounding', self%rounding)
+      ! Not saved: path_q, path_v, held, apart, layout, driven
    end subroutine exchange_conserving
 
 end module limber_integrator_conserving

@@ -294,6 +294,7 @@ contains
       call snapshot%keep('x', self%x)
       call snapshot%keep('place', self%place)
       call snapshot%exchange('across_refused', self%refused)
+      ! Not saved: unit
    end subroutine exchange_crossing
 
 end module limber_integrator_fold_crossing

@@ -126,6 +126,7 @@ contains
       call snapshot%keep('sum', self%sum)
       call snapshot%exchange('span', self%span)
       call snapshot%exchange('looks', self%looks)
+      ! Not saved: bends, room, s
    end subroutine exchange_false_damping
 
 end module limber_monitor_false_damping

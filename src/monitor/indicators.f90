@@ -425,6 +425,7 @@ contains
       call self%functions%exchange(snapshot)
       call snapshot%exchange('observations', self%observations)
       call snapshot%exchange('swings', self%swings)
+      ! Not saved: sets, count, of, place, fixed, turned, scratch, pulls, surveys
    end subroutine exchange_indicators
 
 end module limber_monitor_indicators

@@ -474,6 +474,7 @@ contains
       call snapshot%keep('compliance', self%compliance)
       call snapshot%keep('started', self%started)
       call snapshot%keep('masses', self%masses)
+      ! Not saved: grounded, nw, nc, order, places, pins, pairs, tangent
    end subroutine exchange_forest
 
 end module limber_multibody_articulated

@@ -348,6 +348,7 @@ contains
       call snapshot%keep('frame_rows', self%frame_rows)
       call snapshot%keep('eta_mass', self%eta_mass)
       call snapshot%keep('factor', self%factor)
+      ! Not saved: rows, sources, frame_place, across_place, transposed_place, rows_place, line
    end subroutine exchange_body_workspace
 
    !> Saves or restores all that changes.
@@ -374,6 +375,7 @@ contains
       call snapshot%keep('correction', self%correction)
       call snapshot%keep('lambda', self%lambda)
       call snapshot%exchange('evaluations', self%evaluations)
+      ! Not saved: slack_place
    end subroutine exchange_workspace
 
 end module limber_multibody_system

@@ -372,6 +372,7 @@ contains
       end do
       call snapshot%keep('parts', self%parts)
       call snapshot%exchange('softness', self%softness)
+      ! Not saved: slack, slack_place
    end subroutine exchange_tangent
 
 end module limber_multibody_tangent

@@ -414,6 +414,8 @@ contains
       call snapshot%exchange('potential', self%potential)
       call snapshot%exchange('work', self%work)
       call snapshot%exchange('momentum', self%momentum)
+      ! Not saved: needs_places, needs_velocities, needs_accelerations, needs_energy, needs_momentum, needs_work, needs_sections
+      ! Not saved: drawn, asked, which, found, slots
    end subroutine exchange_recorder
 
 end module limber_output_channel_values

@@ -219,6 +219,7 @@ contains
       call snapshot%keep('square_integral', self%square_integral)
       call snapshot%keep('total', self%total)
       call snapshot%keep('squares', self%squares)
+      ! Not saved: limit, started, most_evaluations, heeds_signals
    end subroutine exchange_sink
 
    !> The same with the samples themselves.

@@ -101,6 +101,7 @@ contains
       call snapshot%keep('warnings', self%warnings)
       call self%bound%exchange(snapshot)
       if (allocated(self%indicators)) call self%indicators%exchange(snapshot)
+      ! Not saved: reached, shows_work, unfollowed, efforts
    end subroutine exchange_outcome
 
    !> What an imbalance of energy is relative to: the largest energy, what drivers, loads and damping have exchanged, eq. (7.1), or

@@ -74,6 +74,7 @@ contains
       call snapshot%exchange('good_to', self%good_to)
       call snapshot%exchange('sample_forces', self%forces)
       call snapshot%exchange('sample_aside', self%aside)
+      ! Not saved: local, ungripped, anyhow, weakest, held, rates
    end subroutine exchange_sample
 
    !> Time of a sample; the last is the end, to the bit.

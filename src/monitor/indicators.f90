@@ -241,8 +241,8 @@ contains
    !> Joins the maxima of an analysis to those of the ones before it.
    subroutine join_indicators(part, whole)
       !> Unallocated if the analysis has none; of the first analysis it moves
-      type(indicators_type), allocatable, intent(inout) :: part
-      type(indicators_type), allocatable, intent(inout) :: whole
+      class(indicators_type), allocatable, intent(inout) :: part
+      class(indicators_type), allocatable, intent(inout) :: whole
       integer :: i, k
       if (.not. allocated(part)) return
       if (.not. allocated(whole)) then

@@ -60,7 +60,7 @@ module limber_scene_outcome
       !> Envelopes of internal forces (bodies)
       type(section_forces_type), allocatable :: efforts(:)
       !> How far the flexible bodies are within the ranges of their models; allocated by analyses that look at it
-      type(indicators_type), allocatable :: indicators
+      class(indicators_type), allocatable :: indicators
    contains
       procedure :: exchange => exchange_outcome
    end type outcome_type

@@ -13,5 +13,5 @@ if(GIT AND EXISTS "${SOURCE}/.git")
 endif()
 # Fortran lines are short
 string(REPLACE "'" "''" OPTIONS "${OPTIONS}")
-string(REGEX REPLACE "([^ ]+ [^ ]+ [^ ]+ )" "\\1'// &\n      & '" OPTIONS "${OPTIONS}")
+string(REGEX REPLACE "([^ ]+ [^ ]+ )" "\\1'// &\n      & '" OPTIONS "${OPTIONS}")
 configure_file("${TEMPLATE}" "${OUTPUT}" @ONLY)

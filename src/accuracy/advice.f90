@@ -193,7 +193,8 @@ contains
       vibrates = doubted .and. advice%probe%blind .or. advice%probe%beams(i)%force > forced
    end function vibrates
 
-   !> Whether a beam is to be verified: always if it bends, for the probe moves it slowly and by loads that do not answer its motion;
+   !> Whether a beam is to be verified: always if it bends, for the probe moves it slowly and by loads that do not answer its
+   !> motion;
    !> a rigid one if an error is expected.
    pure logical function matters(advice, i)
       type(advice_type), intent(in) :: advice

@@ -82,8 +82,8 @@ contains
       end do
    end function fixed_words
 
-   !> Models that no finer run verifies: frames, which have no ladder, and beams in SEGMENTS that are damped by their modes, which are
-   !> those of the pieces. 'frame 'portal'; beam 'rod', whose SEGMENTS are damped by modes of their own'; empty: there is none.
+   !> Models that no finer run verifies: frames, which have no ladder, and beams in SEGMENTS that are damped by their modes, which
+   !> are those of the pieces. 'frame 'portal'; beam 'rod', whose SEGMENTS are damped by modes of their own'; empty: there is none.
    function unverified_words(deck) result(text)
       type(deck_type), intent(in) :: deck
       character(:), allocatable :: text

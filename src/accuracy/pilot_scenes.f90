@@ -21,8 +21,8 @@ module limber_accuracy_pilot_scenes
 
 contains
 
-   !> The scene with the functions of the third rung, and none of strain. Where joints hold beams so that they cannot bend then, with
-   !> one of that as well, which every rung has from then on; the lowest rung is the first that the joints let bend.
+   !> The scene with the functions of the third rung, and none of strain. Where joints hold beams so that they cannot bend then,
+   !> with one of that as well, which every rung has from then on; the lowest rung is the first that the joints let bend.
    subroutine build_exact(deck, rungs, scene, error)
       type(deck_type), intent(in) :: deck
       type(level_type), intent(inout) :: rungs(:)

@@ -52,8 +52,8 @@ module limber_accuracy_reached_target
       real(wp) :: cpu = 0.0_wp, work = 0.0_wp
       !> Whether a run was given up as the search had cost all that it may
       logical :: spent = .false.
-      !> Whether a tolerance was too large; the tolerance and the error of the integration before it was made smaller; whether that was
-      !> of no use, as only a model that lacks what a channel shows leaves round-off there
+      !> Whether a tolerance was too large; the tolerance and the error of the integration before it was made smaller; whether that
+      !> was of no use, as only a model that lacks what a channel shows leaves round-off there
       logical :: tightened = .false., useless = .false.
       !> Whether the models have climbed for that, and that was of no use either: the error falls slowly, and the tolerance with it
       logical :: gave_way = .false., slow = .false.

@@ -9,7 +9,8 @@ module limber_accuracy_reference_run
    private
    public :: reference_run_type, shown_type, error_against, largest_difference, place_of
 
-   !> Powers of the tolerance that errors of the integration are taken to fall with: at most, where nothing else is known, and at least
+   !> Powers of the tolerance that errors of the integration are taken to fall with: at most, where nothing else is known, and at
+   !> least
    real(wp), parameter :: usual = 0.6_wp, slowest = 0.15_wp
 
    !> The finest run so far
@@ -80,8 +81,8 @@ contains
       allocate (self%rungs, source=rungs)
    end subroutine take_pair
 
-   !> How errors of the integration fall, from two pairs of the same models: slowly where a sudden load makes vibrations that no step
-   !> follows. What is next to nothing beside the target shows round-off only.
+   !> How errors of the integration fall, from two pairs of the same models: slowly where a sudden load makes vibrations that no
+   !> step follows. What is next to nothing beside the target shows round-off only.
    pure subroutine learn(self, rungs, tolerance, of_time, target)
       class(shown_type), intent(inout) :: self
       !> As those of `take`, before the pair is taken

@@ -23,8 +23,8 @@ module limber_accuracy_run_pool
 
    !> Runs that are kept, and numbers of one that is
    integer, parameter :: most_kept = 8, most_numbers = 4000000
-   !> Work of a search that is always allowed, some ten seconds, and beyond it in units of its first run, or of the last one that was
-   !> to be verified, where that takes about a second at most
+   !> Work of a search that is always allowed, some ten seconds, and beyond it in units of its first run, or of the last one that
+   !> was to be verified, where that takes about a second at most
    real(wp), parameter :: least_budget = 3.0e6_wp, most_first = 60.0_wp, second = 3.0e5_wp
 
    !> The runs of a search
@@ -226,7 +226,8 @@ contains
       type(deck_type), intent(in) :: deck
       type(level_type), intent(in) :: rungs(:)
       real(wp), intent(in) :: tolerance, part
-      !> Whether it has the quantities of the channels behind them, which are left out; coordinates, which a deck may ask for, it has not
+      !> Whether it has the quantities of the channels behind them, which are left out; coordinates, which a deck may ask for, it
+      !> has not
       logical, intent(in) :: wide
       type(candidate_type), intent(in) :: trial
       if (has_steps(deck, part, trial) .or. size(trial%samples%values) > most_numbers) return

@@ -145,7 +145,8 @@ contains
       type(teller_type) :: teller
       real(wp) :: tolerance, least, enough, spent
       integer :: pair(2), best, round
-      !> Uncertainty, in units of the error that the advice aims at, that is small enough where more costs more than the limit of a run
+      !> Uncertainty, in units of the error that the advice aims at, that is small enough where more costs more than the limit of a
+      !> run
       real(wp), parameter :: certain = 0.1_wp
       allocate (names, source=all_integrators(plan))
       allocate (before(size(names)))
@@ -211,7 +212,8 @@ contains
       end do
    end function the_only_one
 
-   !> Solves the finest model with every integrator that has not failed yet: RADAU first, which ends soonest where vibrations are fast;
+   !> Solves the finest model with every integrator that has not failed yet: RADAU first, which ends soonest where vibrations are
+   !> fast;
    !> what takes many times as long fails.
    subroutine solve_all(plan, names, tolerance, quiet, teller, runs, solution, spent)
       type(plan_type), intent(in) :: plan

@@ -185,8 +185,8 @@ contains
 
    end subroutine search
 
-   !> The first run. Scenes with beams take RADAU, and try what AUTO takes: ADAMS at the tolerance of rigid bodies, which it needs, stays
-   !> if it costs much less.
+   !> The first run. Scenes with beams take RADAU, and try what AUTO takes: ADAMS at the tolerance of rigid bodies, which it needs,
+   !> stays if it costs much less.
    subroutine begin(deck, quiet, pool, candidate, reached, error)
       type(deck_type), intent(in) :: deck
       !> Whether the progress is not shown

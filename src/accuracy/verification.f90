@@ -22,7 +22,8 @@ module limber_accuracy_verification
    real(wp), parameter :: of_truth = 0.1_wp
    !> Ratio of the tolerances of a run and its check
    real(wp), parameter, public :: ladder = 0.2_wp
-   !> What differences are multiplied by where the integration is judged, and the part of the target from which on it is mended first
+   !> What differences are multiplied by where the integration is judged, and the part of the target from which on it is mended
+   !> first
    real(wp), parameter, public :: widening = 1.25_wp, time_first = 0.75_wp
    !> Tolerance from which on RADAU may step over vibrations of the strain; work of a run of higher rungs in units of the run's
    real(wp), parameter :: loose = 1.0e-4_wp, most_higher = 16.0_wp
@@ -71,7 +72,8 @@ contains
       type(candidate_type), intent(in) :: candidate
       type(reached_type), intent(inout) :: reached
       type(reference_run_type), intent(inout) :: truth
-      !> Whether the integration errs by so little that the next run is to have a larger tolerance, before anything else is looked at
+      !> Whether the integration errs by so little that the next run is to have a larger tolerance, before anything else is looked
+      !> at
       logical, intent(out) :: looser
       type(error_type), allocatable, intent(out) :: error
       type(candidate_type) :: finer, check
@@ -305,8 +307,8 @@ contains
       end associate
    end subroutine loosen
 
-   !> The run with higher rungs. A small tolerance may follow vibrations that cost very much, and a loose one excite them: then another
-   !> one is tried, and patience at last.
+   !> The run with higher rungs. A small tolerance may follow vibrations that cost very much, and a loose one excite them: then
+   !> another one is tried, and patience at last.
    subroutine run_higher(deck, rungs, tolerance, part, work, quiet, pool, reached, check, error)
       type(deck_type), intent(in) :: deck
       type(level_type), intent(in) :: rungs(:)

@@ -120,6 +120,7 @@ contains
       call snapshot%keep('added_v', self%defect%v)
       call self%passages%exchange(snapshot)
       call self%motions%exchange(snapshot)
+      ! Not saved: wanted
    end subroutine exchange_added
 
 end module limber_analysis_added_errors

@@ -186,8 +186,8 @@ contains
       type(workspace_type), intent(inout) :: work
       type(adams_type), intent(in) :: integrator
       real(wp), intent(in) :: q(:), v(:)
-      !> Step times fastest rate that is long, and part of the rate of the motion that is much; steps that a run makes at least until
-      !> RADAU is tried
+      !> Step times fastest rate that is long, and part of the rate of the motion that is much; steps that a run makes at least
+      !> until RADAU is tried
       real(wp), parameter :: long_step = 0.2_wp, much = 5.0_wp
       integer(long), parameter :: least = 1000
       type(choice_type) :: found

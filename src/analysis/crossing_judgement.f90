@@ -22,8 +22,8 @@ module limber_analysis_crossing_judgement
    !> again, is the error by which constraints were corrected there
    real(wp), parameter, public :: just_met = 1.0e-8_wp, met_again = 1.0e-4_wp
 
-   !> Changes of a law that matter, relative to how it varies in a step; fourth difference that no smooth law has; part of the largest
-   !> of all laws below which one is nothing
+   !> Changes of a law that matter, relative to how it varies in a step; fourth difference that no smooth law has; part of the
+   !> largest of all laws below which one is nothing
    real(wp), parameter :: part = 0.02_wp, rough = 0.5_wp, level = 1.0e-6_wp
    !> Change of velocity in a step that is felt, in units of the tolerance
    real(wp), parameter :: left_out = 3.0_wp
@@ -44,8 +44,8 @@ module limber_analysis_crossing_judgement
       !> Largest speed of what each law depends on; whether the step leaves out what it falls or rises by at an end of it (laws)
       real(wp), allocatable :: fastest(:)
       logical, allocatable :: steep(:)
-      !> Force that changes velocities within the step by what the tolerance allows, eq. (5.50); part of such changes that steps have
-      !> left out so far (laws)
+      !> Force that changes velocities within the step by what the tolerance allows, eq. (5.50); part of such changes that steps
+      !> have left out so far (laws)
       real(wp), allocatable :: felt(:), left(:)
       !> How much each law varies at the quarters (laws)
       real(wp), allocatable :: width(:)
@@ -280,6 +280,8 @@ contains
       call snapshot%exchange('crossing_rest', self%rest)
       call snapshot%exchange('crossing_next_rest', self%next_rest)
       call self%sticking%exchange(snapshot)
+      ! Not saved: quarters, halves, trial_q, trial_v, allowed, steep, felt, width, excess, smooth, stored, behind, ahead, effect
+      ! Not saved: nothing, idle, looks, duration, tolerance, found, which, again, t
    end subroutine exchange_crossings
 
 end module limber_analysis_crossing_judgement

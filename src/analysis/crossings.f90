@@ -201,7 +201,8 @@ contains
    end subroutine find_turn
 
    !> Finds which laws change their formula right behind the start of the step, or right before its end, where it has been cut: by
-   !> round-off an end is on the other side of the crossing. Between, such a law has one formula, and may come and go like any other.
+   !> round-off an end is on the other side of the crossing. Between, such a law has one formula, and may come and go like any
+   !> other.
    subroutine look_inside(self, system, work, integrator)
       type(crossings_type), intent(inout) :: self
       type(system_type), intent(in) :: system

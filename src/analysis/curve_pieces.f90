@@ -392,6 +392,7 @@ contains
             call use_piece(path, system)
          end associate
       end do
+      ! Not saved: t, which, upwards, length, duration, q, v
    end subroutine exchange_pieces
 
 end module limber_analysis_curve_pieces

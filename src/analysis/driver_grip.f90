@@ -119,7 +119,8 @@ contains
       self%least = min(self%least, maxval(abs(self%last)))
    end subroutine keep_grip
 
-   !> The drivers that take part where the grip is lost: the multipliers there are those of the equations that contradict each other.
+   !> The drivers that take part where the grip is lost: the multipliers there are those of the equations that contradict each
+   !> other.
    function drivers_text(self, system) result(text)
       type(grip_type), intent(in) :: self
       type(system_type), intent(in) :: system

@@ -344,7 +344,8 @@ contains
          if (dynamics%maximum_step > 0.0_wp) integrator%maximum_step = min(integrator%maximum_step, dynamics%maximum_step)
       end subroutine keep_pace
 
-      !> Warns of vibrations that are not followed, or kept up, and of those that the motion no longer shows, though they bind ADAMS.
+      !> Warns of vibrations that are not followed, or kept up, and of those that the motion no longer shows, though they bind
+      !> ADAMS.
       subroutine warn_of_vibrations()
          logical :: is_adams
          is_adams = .false.
@@ -420,7 +421,8 @@ contains
             & crossings%v, error)
       end subroutine do_again
 
-      !> Shortens a first step that goes beyond a bend: a law of the motion that is zero at both ends shows itself between them only.
+      !> Shortens a first step that goes beyond a bend: a law of the motion that is zero at both ends shows itself between them
+      !> only.
       subroutine begin_shorter()
          associate (begin => crossings%quarters(0)%t)
             if (crossings%t - begin <= first_part*(t - begin) .or. crossings%t >= t - near) return

@@ -59,8 +59,8 @@ contains
                & ' samples, and the error that this run is taken to have', error)
          else if (.not. allocated(error)) then
             call history%put_attribute('/'//group, 'method', &
-            & 'paired runs: difference to a run at companion_tolerance, enlarged by 1/(1 - shrinkage) and over neighbouring'// &
-            & ' samples, not below round-off; shrinkage from a run at check_tolerance', error)
+               & 'paired runs: difference to a run at companion_tolerance, enlarged by 1/(1 - shrinkage) and over neighbouring'// &
+               & ' samples, not below round-off; shrinkage from a run at check_tolerance', error)
          end if
          if (.not. (allocated(error) .or. estimate%of_model)) call history%put_attribute('/'//group, 'excluded', excluded, error)
          if (.not. allocated(error) .and. leaves_out(estimate)) call history%put_attribute('/'//group, 'excluded', &
@@ -97,8 +97,8 @@ contains
          & ' times the difference of two runs and may be too small; give a smaller TOLERANCE'//newline
    end function estimate_warning
 
-   !> A line for each channel: largest value, value at the end, estimated error, and that relative to the largest value, unless it is
-   !> zero within round-off.
+   !> A line for each channel: largest value, value at the end, estimated error, and that relative to the largest value, unless it
+   !> is zero within round-off.
    function estimate_table(estimate, channels, samples) result(text)
       type(estimate_type), intent(in) :: estimate
       type(channel_type), intent(in) :: channels(:)

@@ -67,8 +67,8 @@ contains
       self%high = self%low
    end subroutine start_motions
 
-   !> Motions that are looked at: of rigid bodies of groups that joints and drivers make, and that loads connect with other groups or
-   !> hold on the ground; and of each pair of these that a load connects.
+   !> Motions that are looked at: of rigid bodies of groups that joints and drivers make, and that loads connect with other groups
+   !> or hold on the ground; and of each pair of these that a load connects.
    subroutine find_motions(system, body, beside, part)
       type(system_type), intent(in) :: system
       !> (motions)
@@ -329,6 +329,7 @@ contains
       call snapshot%keep('own_stiff', self%stiff)
       call snapshot%keep('own_square', self%square)
       call snapshot%keep('own_damping', self%damping)
+      ! Not saved: body, beside, length, small
    end subroutine exchange_motions
 
 end module limber_analysis_own_motions

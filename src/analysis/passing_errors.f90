@@ -168,6 +168,7 @@ contains
       call snapshot%keep('passages_sum_with', self%sum_with)
       call snapshot%keep('passages_square', self%square)
       call snapshot%keep('passages_square_with', self%square_with)
+      ! Not saved: w
    end subroutine exchange_passages
 
 end module limber_analysis_passing_errors

@@ -16,9 +16,10 @@ module limber_analysis_scene_aside
    !> Coordinates of a scene up to which each body gets as many modes as are wanted; a few in any case
    integer, parameter :: many = 600, few = 3
 
-   !> The scene with more coordinates
+   !> The scene with more coordinates. `class`: the compiler then frees and copies a scene by one procedure, instead of writing that
+   !> out wherever an object with a scene is made
    type :: aside_type
-      type(scene_type) :: scene
+      class(scene_type), allocatable :: scene
       type(equilibrium_type) :: balance
    end type aside_type
 
@@ -44,6 +45,7 @@ contains
       logical, intent(out) :: done
       type(diagnostics_type) :: diagnostics
       type(error_type), allocatable :: error
+      if (.not. allocated(aside%scene)) allocate (scene_type :: aside%scene)
       aside%scene%deck = richer_deck(scene, level, extra, with_outputs)
       call build_scene(aside%scene, diagnostics, error)
       done = .not. allocated(error)

@@ -52,8 +52,8 @@ module limber_analysis_static_aside
       real(wp), allocatable :: assembled(:)
       !> Strain energy that is missed at the sample with the largest differences (bodies)
       real(wp), allocatable :: missed(:)
-      !> Whether anything is compared; of a motion that drivers give whether that has begun, and its energy then: what it has more is
-      !> their work
+      !> Whether anything is compared; of a motion that drivers give whether that has begun, and its energy then: what it has more
+      !> is their work
       logical :: used = .false., begun = .false.
       real(wp) :: first_energy = 0.0_wp
    end type static_aside_type

@@ -337,13 +337,13 @@ contains
    end subroutine stand
 
    !> Whether the loads, as they grow, do work on the motion that turns unstable at the present state: then the branch ends there, a
-   !> limit point; else another one crosses it. Right at the critical load the state is known to the square root of round-off only, so
-   !> that this is looked at just before it.
+   !> limit point; else another one crosses it. Right at the critical load the state is known to the square root of round-off only,
+   !> so that this is looked at just before it.
    logical function loads_drive(scene, step, parts, q, lambda, statics) result(drive)
       type(scene_type), intent(inout) :: scene
       type(analysis_step_type), intent(in) :: step
-      !> A part of the step at which the state is known, its coordinates (nq) and multipliers (nc), which are scratch then; before it
-      !> the part at which it is wanted
+      !> A part of the step at which the state is known, its coordinates (nq) and multipliers (nc), which are scratch then; before
+      !> it the part at which it is wanted
       real(wp), intent(in) :: parts(2)
       real(wp), contiguous, intent(inout) :: q(:), lambda(:)
       !> At the critical load; its motion and stability are those of the state before it then

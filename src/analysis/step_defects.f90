@@ -88,8 +88,8 @@ contains
       end do
    end subroutine find_defect
 
-   !> By how much accelerations change where places, or velocities, change at the last of the three places of the step: what is stiff,
-   !> and what is damped. Behind `find_defect`.
+   !> By how much accelerations change where places, or velocities, change at the last of the three places of the step: what is
+   !> stiff, and what is damped. Behind `find_defect`.
    subroutine find_response(self, system, work, place, speed, of_place, of_speed, found)
       type(defect_type), intent(inout) :: self
       type(system_type), intent(in) :: system

@@ -134,6 +134,7 @@ contains
       call snapshot%keep('turning_u', self%u)
       call snapshot%exchange('turning_t', self%t)
       call snapshot%exchange('turning_told', self%told)
+      ! Not saved: means
    end subroutine exchange_turning
 
 end module limber_analysis_turn_steps

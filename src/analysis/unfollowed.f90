@@ -411,6 +411,7 @@ contains
       call snapshot%keep('unfollowed_largest', self%largest)
       call snapshot%keep('unfollowed_reach', self%reach)
       call snapshot%keep('unfollowed_terms', self%terms)
+      ! Not saved: watched, bodies, alike, recorder, q, a, moved, base, values, sections, others
    end subroutine exchange_unfollowed
 
 end module limber_analysis_unfollowed

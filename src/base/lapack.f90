@@ -127,7 +127,7 @@ module limber_base_lapack
 
       !> Eigenvalues and eigenvectors from a converged dsaupd (ARPACK)
       subroutine dseupd(rvec, howmny, select, d, z, ldz, sigma, bmat, n, which, nev, tol, resid, ncv, v, ldv, &
-            & iparam, ipntr, workd, workl, lworkl, info)
+         & iparam, ipntr, workd, workl, lworkl, info)
          import :: wp
          logical, intent(in) :: rvec
          character(1), intent(in) :: howmny, bmat

@@ -1,5 +1,5 @@
-!> Settings of the libraries that the program is linked with: threads of linear algebra, heap of C. Each is asked for by name and left
-!> alone where it is not there. Floor: base.
+!> Settings of the libraries that the program is linked with: threads of linear algebra, heap of C. Each is asked for by name and
+!> left alone where it is not there. Floor: base.
 module limber_base_libraries
    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_procpointer, c_funptr, c_int, c_intptr_t, c_null_char, &
       & c_null_ptr, c_ptr
@@ -13,8 +13,8 @@ module limber_base_libraries
    !> Parameters of mallopt, as <malloc.h> of the GNU C library numbers them
    integer(c_int), parameter :: trim_threshold = -1, top_pad = -2, mmap_threshold = -3
    integer(c_int), parameter :: heap_parameters(*) = [trim_threshold, top_pad, mmap_threshold]
-   !> Their values: bytes free at the end of the heap before some are given back; bytes taken at a time; bytes from which an array has
-   !> pages of its own
+   !> Their values: bytes free at the end of the heap before some are given back; bytes taken at a time; bytes from which an array
+   !> has pages of its own
    integer(c_int), parameter :: heap_bytes(*) = [256*1024**2, 1024**2, 4*1024**2]
 
    interface
@@ -39,9 +39,9 @@ module limber_base_libraries
 
 contains
 
-   !> From now on the library for linear algebra uses one thread, whatever the environment says. Some share their sums among threads,
-   !> and then the last bits of a result depend on how many there are; limber's matrices are too small to gain by it, and its sweeps
-   !> run processes side by side.
+   !> From now on the library for linear algebra uses one thread, whatever the environment says. Some share their sums among
+   !> threads, and then the last bits of a result depend on how many there are; limber's matrices are too small to gain by it, and
+   !> its sweeps run processes side by side.
    subroutine use_one_thread()
       type(c_funptr) :: address
       procedure(setter_interface), pointer :: set_threads
@@ -54,8 +54,8 @@ contains
       end do
    end subroutine use_one_thread
 
-   !> From now on the process keeps its heap. The GNU C library gives the free end of the heap back to the system, and takes it again
-   !> with the next array: each page of it then costs a page fault. limber's arrays come and go.
+   !> From now on the process keeps its heap. The GNU C library gives the free end of the heap back to the system, and takes it
+   !> again with the next array: each page of it then costs a page fault. limber's arrays come and go.
    subroutine keep_heap()
       type(c_funptr) :: address
       procedure(mallopt_interface), pointer :: mallopt

@@ -152,7 +152,8 @@ contains
    end function plain_form
 
    !> Index of the candidate nearest to a misspelt name by edit distance; 0 if none is near enough
-   !> (more than a third of its letters differ, or all). A word left out or added counts as a letter. Case and blanks around are ignored.
+   !> (more than a third of its letters differ, or all). A word left out or added counts as a letter. Case and blanks around are
+   !> ignored.
    pure integer function nearest_name(name, candidates) result(nearest)
       character(*), intent(in) :: name
       character(*), intent(in) :: candidates(:)

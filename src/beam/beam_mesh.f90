@@ -257,8 +257,8 @@ contains
       end do
    end function packed
 
-   !> Rigid-body motions across the beam that the supports leave (free coordinates, number): a beam on one hinge turns about it, and one
-   !> whose section is held at one end moves across; a free one does both.
+   !> Rigid-body motions across the beam that the supports leave (free coordinates, number): a beam on one hinge turns about it, and
+   !> one whose section is held at one end moves across; a free one does both.
    pure function bending_motions(beam, support) result(rigid)
       type(beam_type), intent(in) :: beam
       type(support_type), intent(in) :: support

@@ -35,7 +35,8 @@ module limber_beam_exact_functions
       real(wp), allocatable :: kinks(:), steps(:)
       !> Places within the beam where a spread load begins or ends: the slope of the curvature has a kink there
       real(wp), allocatable :: corners(:)
-      !> Places within the beam where the axial force may jump, and joints feel how the parts between them stretch; unallocated: none
+      !> Places within the beam where the axial force may jump, and joints feel how the parts between them stretch; unallocated:
+      !> none
       real(wp), allocatable :: pulls(:)
       !> Lengths in which bending dies away where a large tension keeps the beam straight, ascending; unallocated: no functions for
       !> that. Whether it does so at the start, at the end

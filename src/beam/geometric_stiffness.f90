@@ -1,7 +1,8 @@
 !> Geometric stiffness k_G projected onto the coordinates.
 !>
-!> With eta_b the bending and eta_a the axial coordinates and z the products eta_i eta_j, i <= j, of the bending coordinates, the work
-!> of the tension that the k_G elements get from eta_a is z.(cubic eta_a); its derivatives by eta_b act on the bending (model k_g).
+!> With eta_b the bending and eta_a the axial coordinates and z the products eta_i eta_j, i <= j, of the bending coordinates, the
+!> work of the tension that the k_G elements get from eta_a is z.(cubic eta_a); its derivatives by eta_b act on the bending (model
+!> k_g).
 !> Floor: beam. Source: Han and Lee 1993, eq. (12); Przemieniecki, section 15.4; doc/theory, eqs. (2.6), (2.8).
 module limber_beam_geometric_stiffness
    use limber_base_kinds, only: wp

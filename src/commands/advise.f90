@@ -106,7 +106,7 @@ contains
       else if (deck%find('DYNAMICS') == 0) then
          call raise(error, path//': nothing to advise on; add a *DYNAMICS block (limber help DYNAMICS)', status_deck)
       else if (any([(deck%find(trim(kind_names(i))) > 0, i=1, size(kind_names) - 1)]) .or. &
-            & deck%find('DYNAMICS', deck%find('DYNAMICS')) > 0) then
+         & deck%find('DYNAMICS', deck%find('DYNAMICS')) > 0) then
          call raise(error, path//': an advice is on a single *DYNAMICS; remove the other analyses', status_deck)
       end if
    end subroutine read_whole_deck

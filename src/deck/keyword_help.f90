@@ -21,7 +21,8 @@ contains
 
    !> Help on a keyword; the list of all keywords if it is empty or unknown. Without a trailing line feed.
    function help_text(keyword) result(text)
-      !> In any case, without the asterisk; behind BEAM or FRAME the word of a group of options asks for that group, as in BEAM MODES
+      !> In any case, without the asterisk; behind BEAM or FRAME the word of a group of options asks for that group, as in BEAM
+      !> MODES
       character(*), intent(in) :: keyword
       character(:), allocatable :: text
       integer :: row, last

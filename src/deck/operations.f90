@@ -254,7 +254,7 @@ contains
       case (op_abs); branch = merge(1, 0, is_below(u, jet_type()))
       case (op_min, op_max); branch = merge(1, 0, is_below(u, v))
       case (op_step); branch = merge(1, 0, u%value >= 0.0_wp)
-      ! It jumps where u changes its sign while v is negative
+         ! It jumps where u changes its sign while v is negative
       case (op_atan2); branch = merge(1, 0, u%value < 0.0_wp .and. v%value < 0.0_wp)
       case (op_smoothstep, op_poly345, op_cycloidal); branch = merge(1, 0, u%value >= 0.0_wp) + merge(1, 0, u%value >= 1.0_wp)
       case default; branch = -1

@@ -232,8 +232,8 @@ contains
       call tell_words(lowercase(part%text), diagnostics)
    end subroutine check_name
 
-   !> Takes note of the words in a text in error, that may be names of what was to be defined: a comma may be missing, or a blank too
-   !> much.
+   !> Takes note of the words in a text in error, that may be names of what was to be defined: a comma may be missing, or a blank
+   !> too much.
    subroutine tell_words(text, diagnostics)
       !> In lower case
       character(*), intent(in) :: text

@@ -7,10 +7,10 @@ module limber_elements_bushing
    use limber_deck_schema, only: keyword_type, option_spec_type, field_spec_type, word_spec_type, keyword_rows_type, many, &
       & needed, kind_name, kind_real, kind_nonnegative, kind_point, form_fields
    use limber_model_element, only: element_type
-   use limber_model_held_ends, only: hold_type, note
+   use limber_model_held_ends, only: hold_type, note_pair
    use limber_model_load_parts, only: new_part, append_part, name_load, describe_load, find_pair, check_turning
    use limber_model_model, only: model_type, load_part_type, along_angle, along_slide
-   use limber_model_points_of_action, only: acting_type, enter, has_pair, body_of, point_of
+   use limber_model_points_of_action, only: acting_type, enter_pair, has_pair
    implicit none
    private
    public :: bushing_element_type, bushing_element
@@ -45,25 +45,18 @@ module limber_elements_bushing
 
    type, extends(element_type) :: bushing_element_type
    contains
-      procedure :: rows
       procedure :: read
       procedure :: act
       procedure :: hold
       procedure :: tie
-      procedure :: joins
    end type bushing_element_type
 
 contains
 
    type(bushing_element_type) function bushing_element() result(element)
-      element%keyword = 'BUSHING'
+      element%rows = keyword_rows_type(keyword, options, fields, [word_spec_type ::], example)
+      element%joins = .true.
    end function bushing_element
-
-   function rows(self) result(all)
-      class(bushing_element_type), intent(in) :: self
-      type(keyword_rows_type) :: all
-      all = keyword_rows_type(keyword, options, fields, [word_spec_type ::], example)
-   end function rows
 
    !> Adds two translational parts and a rotational one.
    subroutine read(self, deck, index, model, diagnostics)
@@ -102,12 +95,7 @@ contains
       type(block_type), intent(in) :: block
       character(*), intent(in) :: body
       type(acting_type), allocatable, intent(inout) :: points(:)
-      integer :: k
-      if (.not. has_pair(block)) return
-      do k = 1, 2
-         call enter(block%lines(1)%text(k), body, .true., &
-            & block%real('STIFFNESS ROTATION') + block%real('DAMPING ROTATION') > 0.0_wp, points)
-      end do
+      call enter_pair(block, body, .true., block%real('STIFFNESS ROTATION') + block%real('DAMPING ROTATION') > 0.0_wp, points)
    end subroutine act
 
    !> Its stiffnesses, across the beam the larger one of both axes.
@@ -118,15 +106,9 @@ contains
       character(*), intent(in) :: body
       type(hold_type), allocatable, intent(inout) :: holds(:)
       type(hold_type) :: new
-      integer :: k
-      if (.not. has_pair(block)) return
       new%across = max(block%real('STIFFNESS X'), block%real('STIFFNESS Y'))
       new%turning = block%real('STIFFNESS ROTATION')
-      do k = 1, 2
-         if (body_of(block%lines(1)%text(k)) /= body) cycle
-         new%name = point_of(block%lines(1)%text(k))
-         call note(new, holds)
-      end do
+      call note_pair(block, body, new, holds)
    end subroutine hold
 
    !> Both points.
@@ -140,10 +122,5 @@ contains
       tied = has_pair(block)
       if (tied) names = [character(64) :: block%lines(1)%text(1), block%lines(1)%text(2)]
    end subroutine tie
-
-   pure logical function joins(self)
-      class(bushing_element_type), intent(in) :: self
-      joins = .true.
-   end function joins
 
 end module limber_elements_bushing

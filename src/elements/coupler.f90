@@ -35,7 +35,6 @@ module limber_elements_coupler
 
    type, extends(element_type) :: coupler_element_type
    contains
-      procedure :: rows
       procedure :: read
       procedure :: act
       procedure :: turns
@@ -44,15 +43,9 @@ module limber_elements_coupler
 contains
 
    type(coupler_element_type) function coupler_element() result(element)
-      element%keyword = 'COUPLER'
+      element%rows = keyword_rows_type(keyword, options, fields, [word_spec_type ::], example)
       element%round = 2
    end function coupler_element
-
-   function rows(self) result(all)
-      class(coupler_element_type), intent(in) :: self
-      type(keyword_rows_type) :: all
-      all = keyword_rows_type(keyword, options, fields, [word_spec_type ::], example)
-   end function rows
 
    !> Adds a coupler, a linear relation of joint coordinates.
    subroutine read(self, deck, index, model, diagnostics)
@@ -124,7 +117,7 @@ contains
       else
          term%of = find_joint(model, line%text(3))
          if (term%of == 0) call diagnostics%add(line%origin_of(3), "there is no joint '"//line%text(3)//"'", &
-               & object=line%text(3))
+            & object=line%text(3))
          if (term%of > 0 .and. term%kind == coordinate_displacement) &
             & call warn_along(model, term%of, line%origin_of(3), diagnostics)
       end if

@@ -38,21 +38,14 @@ module limber_elements_distributed_load
 
    type, extends(element_type) :: distributed_load_element_type
    contains
-      procedure :: rows
       procedure :: read
    end type distributed_load_element_type
 
 contains
 
    type(distributed_load_element_type) function distributed_load_element() result(element)
-      element%keyword = 'DISTRIBUTED LOAD'
+      element%rows = keyword_rows_type(keyword, options, fields, [word_spec_type ::], example)
    end function distributed_load_element
-
-   function rows(self) result(all)
-      class(distributed_load_element_type), intent(in) :: self
-      type(keyword_rows_type) :: all
-      all = keyword_rows_type(keyword, options, fields, [word_spec_type ::], example)
-   end function rows
 
    !> Adds the load as forces at points that represent it.
    subroutine read(self, deck, index, model, diagnostics)

@@ -63,7 +63,6 @@ module limber_elements_driver
 
    type, extends(element_type) :: driver_element_type
    contains
-      procedure :: rows
       procedure :: read
       procedure :: act
       procedure :: hold
@@ -75,15 +74,9 @@ module limber_elements_driver
 contains
 
    type(driver_element_type) function driver_element() result(element)
-      element%keyword = 'DRIVER'
+      element%rows = keyword_rows_type(keyword, options, fields, words, example)
       element%round = 2
    end function driver_element
-
-   function rows(self) result(all)
-      class(driver_element_type), intent(in) :: self
-      type(keyword_rows_type) :: all
-      all = keyword_rows_type(keyword, options, fields, words, example)
-   end function rows
 
    !> Adds a driver.
    subroutine read(self, deck, index, model, diagnostics)

@@ -36,7 +36,6 @@ module limber_elements_force
 
    type, extends(element_type) :: point_force_element_type
    contains
-      procedure :: rows
       procedure :: read
       procedure :: act
    end type point_force_element_type
@@ -44,14 +43,8 @@ module limber_elements_force
 contains
 
    type(point_force_element_type) function force_element() result(element)
-      element%keyword = 'FORCE'
+      element%rows = keyword_rows_type(keyword, options, fields, [word_spec_type ::], example)
    end function force_element
-
-   function rows(self) result(all)
-      class(point_force_element_type), intent(in) :: self
-      type(keyword_rows_type) :: all
-      all = keyword_rows_type(keyword, options, fields, [word_spec_type ::], example)
-   end function rows
 
    !> Adds a force as one part for each of its two components; a zero component is left out.
    subroutine read(self, deck, index, model, diagnostics)

@@ -28,7 +28,6 @@ module limber_elements_friction
 
    type, extends(element_type) :: friction_element_type
    contains
-      procedure :: rows
       procedure :: read
       procedure :: act
    end type friction_element_type
@@ -36,15 +35,9 @@ module limber_elements_friction
 contains
 
    type(friction_element_type) function friction_element() result(element)
-      element%keyword = 'FRICTION'
+      element%rows = keyword_rows_type(keyword, options, [field_spec_type ::], [word_spec_type ::], example)
       element%round = 2
    end function friction_element
-
-   function rows(self) result(all)
-      class(friction_element_type), intent(in) :: self
-      type(keyword_rows_type) :: all
-      all = keyword_rows_type(keyword, options, [field_spec_type ::], [word_spec_type ::], example)
-   end function rows
 
    !> Adds viscous friction along the free coordinate of a joint.
    subroutine read(self, deck, index, model, diagnostics)

@@ -45,24 +45,16 @@ module limber_elements_joint
 
    type, extends(element_type) :: joint_element_type
    contains
-      procedure :: rows
       procedure :: read
       procedure :: act
       procedure :: hold
       procedure :: tie
-      procedure :: joins
    end type joint_element_type
 
 contains
 
+   !> Its rows are those of the keyword and of all kinds.
    type(joint_element_type) function joint_element() result(element)
-      element%keyword = 'JOINT'
-   end function joint_element
-
-   !> Rows of the keyword and of all kinds.
-   function rows(self) result(all)
-      class(joint_element_type), intent(in) :: self
-      type(keyword_rows_type) :: all
       type(word_spec_type) :: words(size(joint_kinds))
       character(112) :: types
       integer :: i
@@ -73,10 +65,11 @@ contains
             types = trim(types)//'|'//kind%word
          end associate
       end do
-      all = keyword_rows_type(keyword, [name_option, option_spec_type('JOINT', 'TYPE', kind_word, types(2:), '', needed, &
+      element%rows = keyword_rows_type(keyword, [name_option, option_spec_type('JOINT', 'TYPE', kind_word, types(2:), '', needed, &
          & 'what the joint is: see the list below'), options, (joint_kinds(i)%item%options, i=1, size(joint_kinds))], fields, &
          & words, example)
-   end function rows
+      element%joins = .true.
+   end function joint_element
 
    !> Adds a joint between two points.
    subroutine read(self, deck, index, model, diagnostics)
@@ -299,10 +292,5 @@ contains
       end select
       names = [character(64) :: block%lines(1)%text(1), block%lines(1)%text(2)]
    end subroutine tie
-
-   pure logical function joins(self)
-      class(joint_element_type), intent(in) :: self
-      joins = .true.
-   end function joins
 
 end module limber_elements_joint

@@ -40,7 +40,6 @@ module limber_elements_motion
 
    type, extends(element_type) :: motion_element_type
    contains
-      procedure :: rows
       procedure :: read
       procedure :: act
       procedure :: hold
@@ -52,15 +51,9 @@ module limber_elements_motion
 contains
 
    type(motion_element_type) function motion_element() result(element)
-      element%keyword = 'MOTION'
+      element%rows = keyword_rows_type(keyword, options, fields, [word_spec_type ::], example)
       element%round = 2
    end function motion_element
-
-   function rows(self) result(all)
-      class(motion_element_type), intent(in) :: self
-      type(keyword_rows_type) :: all
-      all = keyword_rows_type(keyword, options, fields, [word_spec_type ::], example)
-   end function rows
 
    !> Adds the drivers of a *MOTION.
    subroutine read(self, deck, index, model, diagnostics)

@@ -1,6 +1,5 @@
 !> Registration of all kinds of joints, and of all joints, drivers and loads: a line for each. Their order is that of the manual.
-!> Floor:
-!> elements.
+!> Floor: elements.
 submodule (limber_deck_keywords) limber_elements_registration
    use limber_elements_revolute, only: revolute_kind
    use limber_elements_point_on_line, only: point_on_line_kind
@@ -59,7 +58,7 @@ contains
    subroutine register(element)
       class(element_type), intent(in) :: element
       call add_element(element)
-      call add_rows(element%rows())
+      call add_rows(element%rows)
    end subroutine register
 
 end submodule limber_elements_registration

@@ -7,10 +7,10 @@ module limber_elements_spring
    use limber_deck_schema, only: keyword_type, option_spec_type, field_spec_type, word_spec_type, keyword_rows_type, many, &
       & needed, kind_name, kind_word, kind_nonnegative, kind_real, kind_point, kind_spring_law, form_fields
    use limber_model_element, only: element_type
-   use limber_model_held_ends, only: hold_type, note
+   use limber_model_held_ends, only: hold_type, note_pair
    use limber_model_load_parts, only: new_part, set_law, append_part, name_load, describe_load, find_pair, check_turning, is_beam
    use limber_model_model, only: model_type, load_part_type, along_angle, along_distance
-   use limber_model_points_of_action, only: acting_type, enter, has_pair, body_of, point_of
+   use limber_model_points_of_action, only: acting_type, enter_pair
    implicit none
    private
    public :: spring_element_type, spring_element
@@ -43,7 +43,6 @@ module limber_elements_spring
 
    type, extends(element_type) :: spring_element_type
    contains
-      procedure :: rows
       procedure :: read
       procedure :: act
       procedure :: hold
@@ -52,14 +51,8 @@ module limber_elements_spring
 contains
 
    type(spring_element_type) function spring_element() result(element)
-      element%keyword = 'SPRING'
+      element%rows = keyword_rows_type(keyword, options, fields, [word_spec_type ::], example)
    end function spring_element
-
-   function rows(self) result(all)
-      class(spring_element_type), intent(in) :: self
-      type(keyword_rows_type) :: all
-      all = keyword_rows_type(keyword, options, fields, [word_spec_type ::], example)
-   end function rows
 
    !> Adds a spring or damper between two points, or a rotational one between two sections.
    subroutine read(self, deck, index, model, diagnostics)
@@ -109,12 +102,8 @@ contains
       character(*), intent(in) :: body
       type(acting_type), allocatable, intent(inout) :: points(:)
       logical :: couple
-      integer :: k
-      if (.not. has_pair(block)) return
       couple = block%word('TYPE') == 'ROTATIONAL'
-      do k = 1, 2
-         call enter(block%lines(1)%text(k), body, .not. couple, couple, points)
-      end do
+      call enter_pair(block, body, .not. couple, couple, points)
    end subroutine act
 
    !> The stiffness of a rotational spring at a section.
@@ -125,14 +114,8 @@ contains
       character(*), intent(in) :: body
       type(hold_type), allocatable, intent(inout) :: holds(:)
       type(hold_type) :: new
-      integer :: k
-      if (.not. has_pair(block)) return
       if (block%word('TYPE') == 'ROTATIONAL') new%turning = block%real('STIFFNESS')
-      do k = 1, 2
-         if (body_of(block%lines(1)%text(k)) /= body) cycle
-         new%name = point_of(block%lines(1)%text(k))
-         call note(new, holds)
-      end do
+      call note_pair(block, body, new, holds)
    end subroutine hold
 
    !> Reports a spring between two points of one body that is no beam.

@@ -13,7 +13,7 @@ module limber_elements_stop
    use limber_model_joint_list, only: find_joint
    use limber_model_load_parts, only: new_part, set_law, append_part, name_load, describe_load, find_pair
    use limber_model_model, only: model_type, load_part_type, along_angle, along_distance, along_slide, place_on_line
-   use limber_model_points_of_action, only: acting_type, enter, along_joint, has_pair
+   use limber_model_points_of_action, only: acting_type, enter_pair, along_joint
    implicit none
    private
    public :: stop_element_type, stop_element
@@ -49,7 +49,6 @@ module limber_elements_stop
 
    type, extends(element_type) :: stop_element_type
    contains
-      procedure :: rows
       procedure :: read
       procedure :: act
    end type stop_element_type
@@ -57,15 +56,9 @@ module limber_elements_stop
 contains
 
    type(stop_element_type) function stop_element() result(element)
-      element%keyword = 'STOP'
+      element%rows = keyword_rows_type(keyword, options, fields, [word_spec_type ::], example)
       element%round = 2
    end function stop_element
-
-   function rows(self) result(all)
-      class(stop_element_type), intent(in) :: self
-      type(keyword_rows_type) :: all
-      all = keyword_rows_type(keyword, options, fields, [word_spec_type ::], example)
-   end function rows
 
    !> Adds one part, along the distance of the points or the coordinate of the joint.
    subroutine read(self, deck, index, model, diagnostics)
@@ -181,12 +174,8 @@ contains
       type(block_type), intent(in) :: block
       character(*), intent(in) :: body
       type(acting_type), allocatable, intent(inout) :: points(:)
-      integer :: k
       if (block%has('JOINT')) call along_joint(deck, block%name('JOINT'), body, points)
-      if (.not. has_pair(block)) return
-      do k = 1, 2
-         call enter(block%lines(1)%text(k), body, .true., .false., points)
-      end do
+      call enter_pair(block, body, .true., .false., points)
    end subroutine act
 
 end module limber_elements_stop

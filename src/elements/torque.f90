@@ -35,7 +35,6 @@ module limber_elements_torque
 
    type, extends(element_type) :: torque_element_type
    contains
-      procedure :: rows
       procedure :: read
       procedure :: act
       procedure :: turns
@@ -44,14 +43,8 @@ module limber_elements_torque
 contains
 
    type(torque_element_type) function torque_element() result(element)
-      element%keyword = 'TORQUE'
+      element%rows = keyword_rows_type(keyword, options, fields, [word_spec_type ::], example)
    end function torque_element
-
-   function rows(self) result(all)
-      class(torque_element_type), intent(in) :: self
-      type(keyword_rows_type) :: all
-      all = keyword_rows_type(keyword, options, fields, [word_spec_type ::], example)
-   end function rows
 
    !> Adds a torque on the frame of a body or on a section.
    subroutine read(self, deck, index, model, diagnostics)

@@ -586,6 +586,7 @@ contains
       call snapshot%exchange('beta', self%beta)
       call snapshot%exchange('sig', self%sig)
       call snapshot%exchange('g', self%g)
+      ! Not saved: nq, ny, kept, whole, weighed, y_before, yp_before, lost_before, laws_bend, rates, driven
    end subroutine exchange_adams
 
 end module limber_integrator_adams

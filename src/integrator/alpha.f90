@@ -424,6 +424,7 @@ contains
       call snapshot%keep('rate', self%rate)
       call snapshot%keep('unknown', self%unknown)
       call snapshot%keep('e', self%e)
+      ! Not saved: radius, alpha_m, alpha_f, beta, gamma, new_power
    end subroutine exchange_alpha
 
 end module limber_integrator_alpha

@@ -1,6 +1,6 @@
 !> Steps of a run that the tolerance has not chosen. Samples, turns, breaks of laws, curves have cut them. A companion run at
-!> another tolerance, which tells the error, would take the same ones and err the same; where they prevail it takes steps that are shorter
-!> as the tolerance would make them. Source: doc/theory, section 7.3. Floor: integrator.
+!> another tolerance, which tells the error, would take the same ones and err the same; where they prevail it takes steps that are
+!> shorter as the tolerance would make them. Source: doc/theory, section 7.3. Floor: integrator.
 module limber_integrator_bound_steps
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
@@ -103,6 +103,7 @@ contains
       call snapshot%keep('bound_time', self%bound)
       call snapshot%keep('bound_passed', self%passed)
       call snapshot%keep('bound_power', self%power)
+      ! Not saved: factor
    end subroutine exchange_bound_steps
 
 end module limber_integrator_bound_steps

@@ -2,7 +2,8 @@
 !> where the scene keeps them, are constant to round-off at any step; the position constraints hold at the end of every step, with
 !> one set of multipliers for a step (index 3). Its velocities meet the velocity constraints in the mean of a step only; where
 !> drivers move the scene they are brought onto them at the end of each step, at the cost of their work, eq. (5.33). Floor:
-!> integrator. Source: Simo and Tarnow, ZAMP 43 (1992) 757; Gonzalez, J. Nonlinear Sci. 6 (1996) 449; doc/theory, eqs. (5.21)-(5.27), (5.31).
+!> integrator. Source: Simo and Tarnow, ZAMP 43 (1992) 757; Gonzalez, J. Nonlinear Sci. 6 (1996) 449; doc/theory, eqs.
+!> (5.21)-(5.27), (5.31).
 module limber_integrator_conserving
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
@@ -641,6 +642,7 @@ contains
       call snapshot%exchange('h', self%h)
       call snapshot%exchange('h_factors', self%h_factors)
       call snapshot%exchange('rounding', self%rounding)
+      ! Not saved: path_q, path_v, held, apart, layout, driven
    end subroutine exchange_conserving
 
 end module limber_integrator_conserving

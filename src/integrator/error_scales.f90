@@ -368,6 +368,7 @@ contains
       call snapshot%keep('driven_speed', self%driven)
       call snapshot%keep('deflection', self%deflection)
       call snapshot%keep('rate', self%rate)
+      ! Not saved: group, of_motion, middle, given, damping
    end subroutine exchange_scales
 
 end module limber_integrator_error_scales

@@ -39,7 +39,8 @@ module limber_integrator_fold_crossing
 
    !> Scratch, allocated once
    type :: crossing_type
-      !> State [q; v; work] at the start, or error estimates, and state of a stage (2 nq + 1), derivatives at the stages (2 nq + 1, 7)
+      !> State [q; v; work] at the start, or error estimates, and state of a stage (2 nq + 1), derivatives at the stages (2 nq + 1,
+      !> 7)
       real(wp), allocatable :: start(:), y(:), slope(:, :)
       !> A change (nq), the combination of constraints that is weakest (nc), increments (nw), and a position (nq)
       real(wp), allocatable :: change(:), weakest(:), x(:), place(:)
@@ -293,6 +294,7 @@ contains
       call snapshot%keep('x', self%x)
       call snapshot%keep('place', self%place)
       call snapshot%exchange('across_refused', self%refused)
+      ! Not saved: unit
    end subroutine exchange_crossing
 
 end module limber_integrator_fold_crossing

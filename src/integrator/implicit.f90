@@ -286,6 +286,7 @@ contains
       call snapshot%exchange('fresh', self%fresh)
       call snapshot%exchange('iterations', self%iterations)
       call snapshot%exchange('strictness', self%strictness)
+      ! Not saved: layout
    end subroutine exchange_implicit
 
 end module limber_integrator_implicit

@@ -111,6 +111,8 @@ module limber_integrator_integrator
          type(snapshot_type), intent(inout) :: snapshot
          !> Of the run
          type(system_type), intent(in) :: system
+         ! Not saved: tolerance, initial_step, maximum_step, fixed_step, speeds_asked, ends_on_samples, steps_over, sees_inside
+         ! Not saved: steps_to_start, order, spare
       end subroutine exchange_interface
    end interface
 

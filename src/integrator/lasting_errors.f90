@@ -167,6 +167,7 @@ contains
       type(snapshot_type), intent(inout) :: snapshot
       call self%matrix%exchange(snapshot)
       call snapshot%exchange('lasting_time', self%tau)
+      ! Not saved: usable, part
    end subroutine exchange_lasting
 
 end module limber_integrator_lasting_errors

@@ -609,6 +609,7 @@ contains
       call snapshot%exchange('rest', self%rest)
       call snapshot%exchange('contraction', self%contraction)
       call snapshot%exchange('current', self%current)
+      ! Not saved: multipliers, motion, rate, stage_q, stage_v, stage_a, e, q_stage_end, complex_part
    end subroutine exchange_radau
 
 end module limber_integrator_radau

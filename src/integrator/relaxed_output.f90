@@ -11,9 +11,9 @@ module limber_integrator_relaxed_output
 
 contains
 
-   !> Rates and accelerations at both ends of a first step for its dense output, with which the quintic goes through the rates of the
-   !> stages and not through that at the beginning, for each coordinate that this errs less for. What the quintic errs shows itself
-   !> at the stages, what the other one errs at the beginning.
+   !> Rates and accelerations at both ends of a first step for its dense output, with which the quintic goes through the rates of
+   !> the stages and not through that at the beginning, for each coordinate that this errs less for. What the quintic errs shows
+   !> itself at the stages, what the other one errs at the beginning.
    pure subroutine relax_ends(h, z, a, near, w_before, a_before, a_end)
       !> Step; increments of the rates at the stages (nw,3); accelerations of the state at the end, and how much those of the
       !> stages may differ from them (nw)

@@ -135,6 +135,7 @@ contains
       call snapshot%exchange('ringing_h', self%h_last)
       call snapshot%keep('ringing_lost', self%lost)
       call snapshot%keep('ringing_top', self%top)
+      ! Not saved: watched, fastest
    end subroutine exchange_ringing
 
 end module limber_integrator_unfollowed_vibrations

@@ -203,6 +203,7 @@ contains
       call snapshot%exchange('throughput', self%throughput)
       call snapshot%exchange('largest_work', self%largest)
       call snapshot%exchange('refused', self%refused)
+      ! Not saved: asked, new_shape, new_missed
    end subroutine exchange_work
 
 end module limber_integrator_work_integral

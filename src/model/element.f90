@@ -1,7 +1,6 @@
 !> Base type of elements: joints, couplers, drivers, motions and loads of the deck. Each keyword is one file of `src/elements`,
-!> which
-!> extends this type: its rows of the keyword table, how its block becomes part of the model, and what it does to a beam that is
-!> built before. Floor: model.
+!> which extends this type: its rows of the keyword table, how its block becomes part of the model, and what it does to a beam
+!> that is built before. Floor: model.
 module limber_model_element
    use limber_deck_content, only: deck_type, block_type
    use limber_deck_diagnostics, only: diagnostics_type
@@ -15,13 +14,13 @@ module limber_model_element
 
    !> A keyword whose blocks act between bodies, or on one
    type, abstract :: element_type
-      !> In upper case
-      character(16) :: keyword = ''
+      !> Its rows of the keyword table: keyword, options, fields, words and example
+      type(keyword_rows_type) :: rows
       !> Round of the builder in which its blocks are read: 1 behind all bodies; 2 behind joints and springs too
       integer :: round = 1
+      !> Whether its blocks join the two points of their data line
+      logical :: joins = .false.
    contains
-      !> Its rows of the keyword table
-      procedure(rows_interface), deferred :: rows
       !> Reads a block into the model
       procedure(read_interface), deferred :: read
       !> What a block does to a beam, which is built before: points on which it acts, supports, points that it ties to each other
@@ -30,8 +29,6 @@ module limber_model_element
       procedure :: tie => tie_nothing
       !> Whether a block drives, loads or couples the frame of a body
       procedure :: turns => turns_nothing
-      !> Whether its blocks join the two points of their data line
-      procedure :: joins => joins_nothing
       !> Whether a block prescribes a motion of a body
       procedure :: drives => turns_nothing
    end type element_type
@@ -42,13 +39,6 @@ module limber_model_element
    end type element_item_type
 
    abstract interface
-      !> Keyword, options, fields, words and example.
-      function rows_interface(self) result(rows)
-         import :: element_type, keyword_rows_type
-         class(element_type), intent(in) :: self
-         type(keyword_rows_type) :: rows
-      end function rows_interface
-
       !> Reads a block. All bodies and points are in the model; in round 2 all joints and springs too.
       subroutine read_interface(self, deck, index, model, diagnostics)
          import :: element_type, deck_type, model_type, diagnostics_type
@@ -69,16 +59,8 @@ contains
    !> Adds an element to the list.
    subroutine add_element(element)
       class(element_type), intent(in) :: element
-      type(element_item_type), allocatable :: longer(:)
-      integer :: i, n
-      n = 0
-      if (allocated(elements)) n = size(elements)
-      allocate (longer(n + 1))
-      do i = 1, n
-         call move_alloc(elements(i)%item, longer(i)%item)
-      end do
-      allocate (longer(n + 1)%item, source=element)
-      call move_alloc(longer, elements)
+      if (.not. allocated(elements)) allocate (elements(0))
+      elements = [elements, element_item_type(element)]
    end subroutine add_element
 
    !> Index of the element of a keyword; 0 if the keyword is none.
@@ -86,7 +68,7 @@ contains
       !> In upper case
       character(*), intent(in) :: keyword
       do found = size(elements), 1, -1
-         if (elements(found)%item%keyword == keyword) return
+         if (elements(found)%item%rows%keyword%name == keyword) return
       end do
    end function find_element
 
@@ -131,11 +113,5 @@ contains
       character(*), intent(in) :: body
       turns = .false.
    end function turns_nothing
-
-   !> Whether blocks join the points of their data line: no.
-   pure logical function joins_nothing(self) result(joins)
-      class(element_type), intent(in) :: self
-      joins = .false.
-   end function joins_nothing
 
 end module limber_model_element

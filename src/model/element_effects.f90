@@ -147,7 +147,7 @@ contains
          if (element == 0) cycle
          associate (block => deck%blocks(i), kind => elements(element)%item)
             if (kind%drives(block, name)) return
-            if (.not. kind%joins() .or. .not. has_pair(block)) cycle
+            if (.not. kind%joins .or. .not. has_pair(block)) cycle
             ends = [body_of(block%lines(1)%text(1)), body_of(block%lines(1)%text(2))]
             if (all(ends /= name)) cycle
             if (all(ends /= body)) return

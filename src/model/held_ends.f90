@@ -1,9 +1,11 @@
 !> Supports of the ends of beams: what joints, drivers and springs hold there. Floor: model. Source: doc/theory, eq. (2.49).
 module limber_model_held_ends
    use limber_base_kinds, only: wp
+   use limber_deck_content, only: block_type
+   use limber_model_points_of_action, only: has_pair, body_of, point_of
    implicit none
    private
-   public :: hold_type, note
+   public :: hold_type, note, note_pair
 
    !> A point of a body with its support
    type :: hold_type
@@ -39,5 +41,24 @@ contains
       end do
       holds = [holds, new]
    end subroutine note
+
+   !> Adds a support at each point of a body of a block with exactly one line of two points.
+   subroutine note_pair(block, body, support, holds)
+      type(block_type), intent(in) :: block
+      !> Name of the body
+      character(*), intent(in) :: body
+      !> Without a name
+      type(hold_type), intent(in) :: support
+      type(hold_type), allocatable, intent(inout) :: holds(:)
+      type(hold_type) :: new
+      integer :: k
+      if (.not. has_pair(block)) return
+      do k = 1, 2
+         if (body_of(block%lines(1)%text(k)) /= body) cycle
+         new = support
+         new%name = point_of(block%lines(1)%text(k))
+         call note(new, holds)
+      end do
+   end subroutine note_pair
 
 end module limber_model_held_ends

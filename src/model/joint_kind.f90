@@ -66,17 +66,11 @@ contains
    !> Adds a kind to the list.
    subroutine add_joint_kind(kind)
       class(joint_kind_type), intent(in) :: kind
-      type(joint_kind_item_type), allocatable :: longer(:)
-      integer :: i, n
-      n = 0
-      if (allocated(joint_kinds)) n = size(joint_kinds)
-      allocate (longer(n + 1))
-      do i = 1, n
-         call move_alloc(joint_kinds(i)%item, longer(i)%item)
-      end do
-      allocate (longer(n + 1)%item, source=kind)
-      if (.not. allocated(kind%options)) allocate (longer(n + 1)%item%options(0))
-      call move_alloc(longer, joint_kinds)
+      type(joint_kind_item_type) :: new
+      allocate (new%item, source=kind)
+      if (.not. allocated(kind%options)) allocate (new%item%options(0))
+      if (.not. allocated(joint_kinds)) allocate (joint_kinds(0))
+      joint_kinds = [joint_kinds, new]
    end subroutine add_joint_kind
 
    !> Index of a kind by its word in the deck; the first if there is none.

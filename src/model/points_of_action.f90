@@ -6,7 +6,7 @@ module limber_model_points_of_action
    use limber_model_model, only: place_on_beam, place_at_point
    implicit none
    private
-   public :: acting_type, enter, along_joint, body_of, point_of, has_pair, line_angle, first_angle, nearly
+   public :: acting_type, enter, enter_pair, along_joint, body_of, point_of, has_pair, line_angle, first_angle, nearly
 
    !> Smaller sines of the angle between line and axis count as zero
    real(wp), parameter :: nearly = 0.05_wp
@@ -85,6 +85,19 @@ contains
       has_pair = size(block%lines) == 1
       if (has_pair) has_pair = block%lines(1)%count() >= 2
    end function has_pair
+
+   !> Adds both points of a block with exactly one line of two points.
+   subroutine enter_pair(block, body, force, couple, points)
+      type(block_type), intent(in) :: block
+      character(*), intent(in) :: body
+      logical, intent(in) :: force, couple
+      type(acting_type), allocatable, intent(inout) :: points(:)
+      integer :: k
+      if (.not. has_pair(block)) return
+      do k = 1, 2
+         call enter(block%lines(1)%text(k), body, force, couple, points)
+      end do
+   end subroutine enter_pair
 
    !> Adds a point `body.point`, or the origin for a name without a point, if it belongs to this body. For a member `frame/number`
    !> also points of its frame, with '@' before their names.

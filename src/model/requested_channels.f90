@@ -302,7 +302,7 @@ contains
             call diagnostics%add(slot%origin, as_text(model%points(point)%meeting)//" members meet at '"//slot%argument//"'", &
                & 'name a point of one of them in a data line of *FRAME: point, member, coordinate')
          else if (any(quantity%kind == [quantity_stress_top, quantity_stress_bottom]) .and. &
-               & .not. all(body%strength(3:4, model%points(point)%member) > 0.0_wp)) then
+            & .not. all(body%strength(3:4, model%points(point)%member) > 0.0_wp)) then
             quantity%of = -1
             call diagnostics%add(slot%origin, "the section of '"//body%name//"' does not say where its extreme fibres are", &
                & 'add TOP= and BOTTOM= to its *SECTION')

@@ -120,7 +120,7 @@ contains
       label = 'channels are those of *OUTPUT'
       if (near > 0) label = "did you mean '"//trim(names(near))//"'?"
       call diagnostics%add(slot%origin, "there is no channel '"//trim(slot%argument)//"'", label, &
-            & object=trim(slot%argument))
+         & object=trim(slot%argument))
    end subroutine find_summary
 
 end module limber_model_run_scalars

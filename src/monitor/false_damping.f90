@@ -12,7 +12,8 @@ module limber_monitor_false_damping
 
    !> One flexible body
    type :: false_damping_type
-      !> Sums over the states that were observed: power that is lost, squared rates and coordinates, power of the damping of the body
+      !> Sums over the states that were observed: power that is lost, squared rates and coordinates, power of the damping of the
+      !> body
       real(wp) :: lost = 0.0_wp, moving = 0.0_wp, bent = 0.0_wp, damped = 0.0_wp
       !> Largest square of the coordinates, and sum of each of them (n)
       real(wp) :: most = 0.0_wp
@@ -125,6 +126,7 @@ contains
       call snapshot%keep('sum', self%sum)
       call snapshot%exchange('span', self%span)
       call snapshot%exchange('looks', self%looks)
+      ! Not saved: bends, room, s
    end subroutine exchange_false_damping
 
 end module limber_monitor_false_damping

@@ -164,6 +164,7 @@ contains
       call snapshot%exchange('buckling_worst', self%worst)
       call snapshot%exchange('buckling_when', self%when)
       call snapshot%exchange('buckling_growth', self%growth)
+      ! Not saved: euler, euler_between, pace, pace_between
    end subroutine exchange_buckling
 
 end module limber_monitor_function_buckling

@@ -180,6 +180,7 @@ contains
       call snapshot%exchange('layer_when', self%when)
       call snapshot%exchange('layer_at', self%at)
       call snapshot%exchange('layer_tension', self%tension)
+      ! Not saved: sides
    end subroutine exchange_layers
 
 end module limber_monitor_function_layers

@@ -456,6 +456,7 @@ contains
       call snapshot%keep('ring', self%ring)
       call snapshot%exchange('struck', self%struck)
       call snapshot%keep('before', self%before)
+      ! Not saved: held, support, fading, fading_along, fading_behind, around, omega2, slow
    end subroutine exchange_sudden
 
 end module limber_monitor_function_sudden

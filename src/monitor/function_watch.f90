@@ -512,6 +512,7 @@ contains
       do i = 1, size(self%driven)
          call snapshot%exchange('driven', self%driven(i)%largest)
       end do
+      ! Not saved: kind
    end subroutine exchange
 
 end module limber_monitor_function_watch

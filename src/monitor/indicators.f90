@@ -241,8 +241,8 @@ contains
    !> Joins the maxima of an analysis to those of the ones before it.
    subroutine join_indicators(part, whole)
       !> Unallocated if the analysis has none; of the first analysis it moves
-      type(indicators_type), allocatable, intent(inout) :: part
-      type(indicators_type), allocatable, intent(inout) :: whole
+      class(indicators_type), allocatable, intent(inout) :: part
+      class(indicators_type), allocatable, intent(inout) :: whole
       integer :: i, k
       if (.not. allocated(part)) return
       if (.not. allocated(whole)) then
@@ -319,8 +319,8 @@ contains
       value = maxval(layer_errors(self))
    end function layer_error
 
-   !> Errors there of shear forces, of bending moments, and of moments of joints, nought of what no channel asks for (3), as measured
-   !> on cantilevers against the length that each coordinate has, eq. (7.19).
+   !> Errors there of shear forces, of bending moments, and of moments of joints, nought of what no channel asks for (3), as
+   !> measured on cantilevers against the length that each coordinate has, eq. (7.19).
    pure function layer_errors(self) result(errors)
       type(body_indicators_type), intent(in) :: self
       real(wp) :: errors(3), share
@@ -425,6 +425,7 @@ contains
       call self%functions%exchange(snapshot)
       call snapshot%exchange('observations', self%observations)
       call snapshot%exchange('swings', self%swings)
+      ! Not saved: sets, count, of, place, fixed, turned, scratch, pulls, surveys
    end subroutine exchange_indicators
 
 end module limber_monitor_indicators

@@ -15,8 +15,8 @@ module limber_monitor_mode_checks
    private
    public :: mode_warnings
 
-   !> Kinds of errors of a frequency: axial forces that a model lacks, masses in the nodes; and of a damping ratio: the Coriolis force
-   !> of the shortening
+   !> Kinds of errors of a frequency: axial forces that a model lacks, masses in the nodes; and of a damping ratio: the Coriolis
+   !> force of the shortening
    integer, parameter :: by_tension = 1, by_lumping = 2, by_shortening = 3, kinds = 3
    !> Largest relative errors of a frequency, and the largest error of a damping ratio, that are not told
    real(wp), parameter :: little = 0.02_wp, limit(kinds) = [little, little, 2.0e-4_wp]
@@ -31,8 +31,8 @@ module limber_monitor_mode_checks
 
 contains
 
-   !> Warnings, one for each kind of error, of the mode and the body that are worst; empty if all frequencies are within 2 %, and all
-   !> damping ratios are those of the scene.
+   !> Warnings, one for each kind of error, of the mode and the body that are worst; empty if all frequencies are within 2 %, and
+   !> all damping ratios are those of the scene.
    function mode_warnings(system, work, q, v, a, rotation, vibrations, name) result(text)
       type(system_type), intent(in) :: system
       !> Kinematics and Jacobians of the state, with its multipliers

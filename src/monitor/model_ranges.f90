@@ -153,8 +153,8 @@ contains
       text = text//function_warnings(indicators%functions, model, least)
    end function range_warnings
 
-   !> Whether another kind tells the same with a larger number: masses in the nodes are told once, and axial forces with the deflection
-   !> that they change.
+   !> Whether another kind tells the same with a larger number: masses in the nodes are told once, and axial forces with the
+   !> deflection that they change.
    pure logical function is_told(indicators, body, kind, value)
       type(body_indicators_type), intent(in) :: indicators
       type(body_type), intent(in) :: body
@@ -346,8 +346,8 @@ contains
       end select
    end function cure_of_frame
 
-   !> Why no equilibrium is found, or the motion diverges, if a body is near or beyond what ends its model: it begins with ": ", or is
-   !> empty.
+   !> Why no equilibrium is found, or the motion diverges, if a body is near or beyond what ends its model: it begins with ": ", or
+   !> is empty.
    function likely_cause(indicators, model) result(text)
       type(indicators_type), intent(in) :: indicators
       type(model_type), intent(in) :: model

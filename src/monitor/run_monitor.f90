@@ -311,6 +311,7 @@ contains
       call snapshot%exchange('reported', self%reported)
       call snapshot%exchange('peak', self%peak)
       call snapshot%exchange('latest', self%latest)
+      ! Not saved: late
    end subroutine exchange_jump_watch
 
 end module limber_monitor_run_monitor

@@ -5,7 +5,8 @@
 !>
 !> with the block A_k of each body, the multipliers l_k of the pin that it hangs on, and the rows of that pin on the body itself
 !> (G, L) and on its carrier c (H, N). All numbers stand in arrays in the order of the elimination, so that a body costs the same
-!> in the longest chain. Who fills the blocks decides what is solved: `limber_multibody_articulated_factors`, `limber_multibody_articulated_step`.
+!> in the longest chain. Who fills the blocks decides what is solved: `limber_multibody_articulated_factors`,
+!> `limber_multibody_articulated_step`.
 !> Floor: multibody. Source: doc/theory, eqs. (4.24)-(4.26).
 module limber_multibody_articulated
    use limber_base_kinds, only: wp
@@ -473,6 +474,7 @@ contains
       call snapshot%keep('compliance', self%compliance)
       call snapshot%keep('started', self%started)
       call snapshot%keep('masses', self%masses)
+      ! Not saved: grounded, nw, nc, order, places, pins, pairs, tangent
    end subroutine exchange_forest
 
 end module limber_multibody_articulated

@@ -219,7 +219,7 @@ contains
       integer :: n, j, point
       forest%started(k) = .true.
       associate (place => forest%places(k), body => model%bodies(forest%places(k)%model)%reduced, gravity => model%gravity, &
-            & h => step%h, block => forest%block(:, :, k), at => forest%places(k)%w, first => forest%places(k)%q + 4)
+         & h => step%h, block => forest%block(:, :, k), at => forest%places(k)%w, first => forest%places(k)%q + 4)
          n = place%n
          call step_block(forest, body, step, k, y, slope, frame, coupling, after)
          associate (u0 => step%q(first - 2:first - 1), u1 => step%new_q(first - 2:first - 1), last => at + 2 + n)

@@ -260,8 +260,8 @@ contains
                angle = merge(1, -1, to == bodies(1))*(joint%turn &
                   & + system%model%points(joint%points(1))%lean - system%model%points(joint%points(2))%lean)
                associate (u => q(system%layout%q(from) + 2:system%layout%q(from) + 3), &
-                     & own => q(system%layout%q(to) + 2:system%layout%q(to) + 3), &
-                     & rate => v(system%layout%q(to) + 2:system%layout%q(to) + 3))
+                  & own => q(system%layout%q(to) + 2:system%layout%q(to) + 3), &
+                  & rate => v(system%layout%q(to) + 2:system%layout%q(to) + 3))
                   wanted = cos(angle)*u + sin(angle)*turn(u)
                   if (dot_product(wanted, own) > 0.0_wp) cycle
                   rate = cross(own, rate)*turn(wanted)

@@ -224,8 +224,8 @@ contains
       end do
    end function largest_turn
 
-   !> Bound of the largest deflection relative to the size of its body; of an exact beam how much longer its chord is, for one that is
-   !> longer than its span, as a rope, bends in its plane.
+   !> Bound of the largest deflection relative to the size of its body; of an exact beam how much longer its chord is, for one that
+   !> is longer than its span, as a rope, bends in its plane.
    pure real(wp) function largest_deflection(system, q) result(largest)
       type(system_type), intent(in) :: system
       real(wp), intent(in) :: q(:)

@@ -584,6 +584,7 @@ contains
       self%placed = .false.
       self%spread = .false.
       self%swept = .false.
+      ! Not saved: angle, stretch, at, hx, hy, ax, ay, field, force, pull
    end subroutine exchange_centreline
 
 end module limber_multibody_beam_axis

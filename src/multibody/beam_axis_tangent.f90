@@ -52,7 +52,7 @@ contains
       integer :: i, m
       m = self%stations
       associate (swing => self%field(:m, 1), whirl => self%field(:m, 2), x => self%field(:m, 3), y => self%field(:m, 4), &
-            & bend => self%field(:m, 5))
+         & bend => self%field(:m, 5))
          swing = alpha
          do i = 1, self%angles
             swing = swing + self%angle(:, i)*eta_acceleration(i)

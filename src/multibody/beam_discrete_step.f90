@@ -166,7 +166,7 @@ contains
       integer :: i, a
       a = mean%angles
       associate (turning => own%spin(:, end), x => own%field(:, 1), y => own%field(:, 2), sx => own%straining(:, 1, end), &
-            & sy => own%straining(:, 2, end))
+         & sy => own%straining(:, 2, end))
          turning = 0.0_wp
          do i = 1, a
             turning = turning + mean%angle(:, i)*b(3 + i)

@@ -36,8 +36,8 @@ contains
       call widen([rate_a, rate_b], [middle], noise, low, high)
    end subroutine bound_cubic
 
-   !> Bounds of the length of a vector less a number, or of its rate, by Bernstein's coefficients of the square of the cubic vector and
-   !> of half its derivative, eqs. (5.54), (5.55).
+   !> Bounds of the length of a vector less a number, or of its rate, by Bernstein's coefficients of the square of the cubic vector
+   !> and of half its derivative, eqs. (5.54), (5.55).
    pure subroutine bound_length(h, place_a, rate_a, place_b, rate_b, origin, by_rate, low, high)
       !> Time between; the vector and its rate at both ends (2)
       real(wp), intent(in) :: h, place_a(2), rate_a(2), place_b(2), rate_b(2)

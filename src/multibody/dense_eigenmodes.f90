@@ -201,9 +201,9 @@ contains
       done = info == 0
    end subroutine direct_modes
 
-   !> Modes of (s^2 M + s D + K) phi = 0, lowest |s| first; of a conjugate pair the one with positive frequency. They are found among
-   !> the modes of M and the symmetric part of K, in which frequencies of all sizes stand apart. Nothing is allocated if a motion has
-   !> no mass, damping or stiffness, or if LAPACK fails.
+   !> Modes of (s^2 M + s D + K) phi = 0, lowest |s| first; of a conjugate pair the one with positive frequency. They are found
+   !> among the modes of M and the symmetric part of K, in which frequencies of all sizes stand apart. Nothing is allocated if a
+   !> motion has no mass, damping or stiffness, or if LAPACK fails.
    subroutine quadratic_modes(mass, damping, stiffness, wanted, value, vector)
       !> (n, n)
       real(wp), intent(in) :: mass(:, :), damping(:, :), stiffness(:, :)

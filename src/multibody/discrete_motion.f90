@@ -119,7 +119,7 @@ contains
       at = system%layout%w(i)
       n = system%layout%n(i)
       associate (body => system%model%bodies(i)%reduced, u0 => step%start%frames(i)%u, u1 => work%kinematics%frames(i)%u, &
-            & gravity => system%model%gravity, h => step%h)
+         & gravity => system%model%gravity, h => step%h)
          if (.not. system%layout%framed(i)) then
             motion(at:at + 1) = (step%new_p(at:at + 1) - step%p(at:at + 1))/h - body%mass*gravity
             return
@@ -221,8 +221,8 @@ contains
       last = at + 2 + n
       first = system%layout%q(i) + 4
       associate (body => system%model%bodies(i)%reduced, u0 => step%start%frames(i)%u, u1 => work%kinematics%frames(i)%u, &
-            & gravity => system%model%gravity, h => step%h, mass => tangent%bodies(i)%mass, &
-            & stiffness => tangent%bodies(i)%stiffness, scratch => work%bodies(i))
+         & gravity => system%model%gravity, h => step%h, mass => tangent%bodies(i)%mass, &
+         & stiffness => tangent%bodies(i)%stiffness, scratch => work%bodies(i))
          tangent%bodies(i)%damping = 0.0_wp
          stiffness = 0.0_wp
          if (.not. system%layout%framed(i)) then

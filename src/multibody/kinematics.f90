@@ -488,6 +488,7 @@ contains
          call snapshot%keep('eta', self%bends(i)%eta)
          call snapshot%keep('rate', self%bends(i)%rate)
       end do
+      ! Not saved: known, known_times, oldest, beams, rigid, bending, turns, directions
    end subroutine exchange_kinematics
 
 end module limber_multibody_kinematics

@@ -85,8 +85,8 @@ module limber_multibody_load
          import :: load_type, kinematics_type, wp
          class(load_type), intent(in) :: self
          type(kinematics_type), intent(in) :: kinematics
-         !> [length or rad], [per time], [force or force length], positive where it makes the scalar grow; the value is zero where nobody
-         !> may ask for it
+         !> [length or rad], [per time], [force or force length], positive where it makes the scalar grow; the value is zero where
+         !> nobody may ask for it
          real(wp), intent(out) :: value, rate, push
       end subroutine state_interface
 

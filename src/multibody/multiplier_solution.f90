@@ -213,7 +213,7 @@ contains
                   bias(2) = sign*gamma(row + 1)
                   if (tree%carrier(i) /= ground) then
                      associate (carrier => work%bodies(tree%carrier(i))%bias, &
-                           & lever => work%kinematics%markers(tree%marker(i))%lever)
+                        & lever => work%kinematics%markers(tree%marker(i))%lever)
                         bias(1) = bias(1) + carrier(1) + lever(1)*carrier(3)
                         bias(2) = bias(2) + carrier(2) + lever(2)*carrier(3)
                      end associate

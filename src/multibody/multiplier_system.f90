@@ -163,7 +163,7 @@ contains
             if (tree%grip(i) > 0) call hold_frame(system, work, i)
             if (tree%carrier(i) == ground) cycle
             associate (hanging => work%bodies(i)%hanging, carrier => work%bodies(tree%carrier(i))%hanging, &
-                  & lever => work%kinematics%markers(tree%marker(i))%lever)
+               & lever => work%kinematics%markers(tree%marker(i))%lever)
                do column = 1, size(carrier, 2)
                   hanging(1, column) = carrier(1, column) + lever(1)*carrier(3, column)
                   hanging(2, column) = carrier(2, column) + lever(2)*carrier(3, column)

@@ -124,7 +124,7 @@ contains
       real(wp) :: across(2), turning(2)
       across = normal(self, kinematics)
       associate (a => kinematics%markers(self%markers(1)), b => kinematics%markers(self%markers(2)), &
-            & frame => kinematics%frames(self%bodies(2)))
+         & frame => kinematics%frames(self%bodies(2)))
          turning = turn(along(self%direction, frame%rate))
          rate = -dot_product(across, a%bias - b%bias) - 2*dot_product(turning, a%velocity - b%velocity) &
             & + dot_product(frame%rate, frame%rate)*dot_product(across, gap(self, kinematics))

@@ -470,6 +470,7 @@ contains
       call snapshot%keep('values', self%values)
       if (allocated(self%complex_values)) call snapshot%exchange('complex_values', self%complex_values)
       call exchange_factors(self, snapshot)
+      ! Not saved: marks, count, square, common, symbolic
    end subroutine exchange_sparse
 
    !> Saves or restores the factors by the values that they were made of.

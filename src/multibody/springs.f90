@@ -13,8 +13,8 @@ module limber_multibody_springs
    !>
    !>    tension k (l - l0) + c l',      l = sqrt(g.g + s^2)
    !>
-   !> along g/l. The softening length s is far below what can be seen; it keeps all derivatives finite where the points meet. There the
-   !> damper resists the velocity, with c (s/l)^2 g', as it does on both sides of a passage.
+   !> along g/l. The softening length s is far below what can be seen; it keeps all derivatives finite where the points meet. There
+   !> the damper resists the velocity, with c (s/l)^2 g', as it does on both sides of a passage.
    type, extends(load_type) :: point_spring_type
       !> Indices of the two markers
       integer :: markers(2) = 0

@@ -71,8 +71,8 @@ module limber_multibody_system
       real(wp), allocatable :: eta_rows(:, :)
       !> Their parts on r' and omega, after the condensation of eta once the system is factored (3, rows)
       real(wp), allocatable :: frame_rows(:, :)
-      !> Where the mass matrix of the frame (count, count), the parts of the constraint rows on it, as they are and transposed (rows,
-      !> count), and what eta adds between these rows (rows, rows), stand in the multiplier matrix
+      !> Where the mass matrix of the frame (count, count), the parts of the constraint rows on it, as they are and transposed
+      !> (rows, count), and what eta adds between these rows (rows, rows), stand in the multiplier matrix
       integer, allocatable :: frame_place(:, :), across_place(:, :), transposed_place(:, :), rows_place(:, :)
       !> Of an exact beam (else not allocated) the mass matrix of its coordinates and its Cholesky factor, in the lower triangle
       !> (n, n); and a centreline for what is asked at other states
@@ -354,6 +354,7 @@ contains
       call snapshot%keep('frame_rows', self%frame_rows)
       call snapshot%keep('eta_mass', self%eta_mass)
       call snapshot%keep('factor', self%factor)
+      ! Not saved: rows, sources, frame_place, across_place, transposed_place, rows_place, line
    end subroutine exchange_body_workspace
 
    !> Saves or restores all that changes.
@@ -380,6 +381,7 @@ contains
       call snapshot%keep('correction', self%correction)
       call snapshot%keep('lambda', self%lambda)
       call snapshot%exchange('evaluations', self%evaluations)
+      ! Not saved: slack_place
    end subroutine exchange_workspace
 
 end module limber_multibody_system

@@ -4,7 +4,8 @@
 !>    [ m M + d D + k K    G^T ]
 !>    [ G + g dG           0   ]
 !>
-!> with any real or complex factors. `limber_multibody_motion_residual` fills the blocks at an instant, `limber_multibody_discrete_motion` over a step.
+!> with any real or complex factors. `limber_multibody_motion_residual` fills the blocks at an instant,
+!> `limber_multibody_discrete_motion` over a step.
 !> Floor: multibody. Source: doc/theory, eqs. (4.15), (4.16), (4.18), (4.34), (4.36).
 module limber_multibody_tangent
    use limber_base_kinds, only: wp
@@ -205,7 +206,7 @@ contains
       integer :: i
       tangent%parts = 0.0_wp
       associate (mass => tangent%parts(:, 1), damping => tangent%parts(:, 2), stiffness => tangent%parts(:, 3), &
-            & rows => tangent%parts(:, 4), drift => tangent%parts(:, 5))
+         & rows => tangent%parts(:, 4), drift => tangent%parts(:, 5))
          do i = 1, size(tangent%bodies)
             associate (body => tangent%bodies(i))
                call add_block(body%place, body%mass, mass)
@@ -215,8 +216,8 @@ contains
          end do
          do i = 1, size(tangent%constraints)
             associate (c => tangent%constraints(i), a => tangent%constraints(i)%first_range(1), &
-                  & b => tangent%constraints(i)%first_range(2), d => tangent%constraints(i)%second_range(1), &
-                  & e => tangent%constraints(i)%second_range(2))
+               & b => tangent%constraints(i)%first_range(2), d => tangent%constraints(i)%second_range(1), &
+               & e => tangent%constraints(i)%second_range(2))
                call add_block(c%first_place, c%first(:, a:b), rows)
                call add_block(c%second_place, c%second(:, d:e), rows)
                call add_block(c%first_transposed, c%first(:, a:b), rows)
@@ -371,6 +372,7 @@ contains
       end do
       call snapshot%keep('parts', self%parts)
       call snapshot%exchange('softness', self%softness)
+      ! Not saved: slack, slack_place
    end subroutine exchange_tangent
 
 end module limber_multibody_tangent

@@ -21,7 +21,7 @@ contains
    end subroutine update_eta_masses
 
    !> The same, and their factors.
-   pure subroutine factor_eta_masses(work, singular)
+   subroutine factor_eta_masses(work, singular)
       type(workspace_type), intent(inout) :: work
       !> True if one of them has none
       logical, intent(out) :: singular

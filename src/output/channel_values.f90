@@ -69,11 +69,11 @@ contains
                recorder%needs_places = recorder%needs_places .or. is_of_place(system, quantity)
                select case (quantity%kind)
                case (quantity_ax, quantity_ay, quantity_force_x, quantity_force_y, quantity_torque, quantity_tension, &
-                     & quantity_force_1, quantity_force_2, quantity_moment, quantity_force, quantity_power, &
-                     & quantity_elongation, quantity_rate, quantity_coupling)
+                  & quantity_force_1, quantity_force_2, quantity_moment, quantity_force, quantity_power, &
+                  & quantity_elongation, quantity_rate, quantity_coupling)
                   recorder%needs_accelerations = .true.
                case (quantity_axial_force, quantity_shear_force, quantity_bending_moment, quantity_stress_top, &
-                     & quantity_stress_bottom)
+                  & quantity_stress_bottom)
                   recorder%needs_accelerations = .true.
                   recorder%needs_sections = .true.
                case (quantity_vx, quantity_vy, quantity_spin, quantity_joint_spin, quantity_sliding_speed)
@@ -414,6 +414,8 @@ contains
       call snapshot%exchange('potential', self%potential)
       call snapshot%exchange('work', self%work)
       call snapshot%exchange('momentum', self%momentum)
+      ! Not saved: needs_places, needs_velocities, needs_accelerations, needs_energy, needs_momentum, needs_work, needs_sections
+      ! Not saved: drawn, asked, which, found, slots
    end subroutine exchange_recorder
 
 end module limber_output_channel_values

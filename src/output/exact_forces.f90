@@ -228,7 +228,7 @@ contains
          strained = eta - exact%rest
          if (allocated(body%reduced%damping)) then
             if (size(body%reduced%damping, 1) == size(eta)) strained = strained &
-            & + matmul(body%reduced%damping, rate)/body%reduced%omega2
+               & + matmul(body%reduced%damping, rate)/body%reduced%omega2
          end if
          lack(3, :) = 0.0_wp
          do k = 1, exact%stations

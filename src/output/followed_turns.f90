@@ -144,6 +144,7 @@ contains
       call snapshot%exchange('turns_time', self%time)
       call snapshot%exchange('turns_time_before', self%time_before)
       call snapshot%exchange('turns_moving', self%moving)
+      ! Not saved: drivers
    end subroutine exchange_turns
 
 end module limber_output_followed_turns

@@ -112,11 +112,11 @@ contains
       end select
       call find_axis(system, joint, q, v, axis, turning)
       associate (a => system%model%points(system%model%joints(joint)%points(1)), &
-            & b => system%model%points(system%model%joints(joint)%points(2)))
+         & b => system%model%points(system%model%joints(joint)%points(2)))
          speed = dot_product(axis, point_velocity(system%model, system%layout, a, q, v) - point_velocity(system%model, &
             & system%layout, b, q, v)) &
             & + dot_product(turning, point_position(system%model, system%layout, a, q) - point_position(system%model, &
-               & system%layout, b, q))
+            & system%layout, b, q))
       end associate
    end function joint_sliding
 

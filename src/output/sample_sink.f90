@@ -17,8 +17,8 @@ module limber_output_sample_sink
       integer(long) :: most_evaluations = huge(1_long)
       !> Whether the run ends at its next step, increment or sample when a signal asks for that: one that could not go on from there
       logical :: heeds_signals = .false.
-      !> What channels were over the samples, where that is asked for: integrals over the time by the trapezoidal rule, of the channel
-      !> and its square, and that time; sums of both where no time passes
+      !> What channels were over the samples, where that is asked for: integrals over the time by the trapezoidal rule, of the
+      !> channel and its square, and that time; sums of both where no time passes
       integer :: taken = 0
       real(wp), allocatable :: first(:), last(:), smallest(:), largest(:)
       real(wp), allocatable, private :: integral(:), square_integral(:), total(:), squares(:)
@@ -120,8 +120,8 @@ contains
          & self%square_integral(width), self%total(width), self%squares(width), source=0.0_wp)
    end subroutine summarise
 
-   !> Mean of a channel over the time, from sample to sample along straight lines: the instant at which one analysis ends and the next
-   !> begins counts once. Over the samples where no time passes.
+   !> Mean of a channel over the time, from sample to sample along straight lines: the instant at which one analysis ends and the
+   !> next begins counts once. Over the samples where no time passes.
    pure real(wp) function mean(self, channel)
       class(sink_type), intent(in) :: self
       integer, intent(in) :: channel
@@ -219,6 +219,7 @@ contains
       call snapshot%keep('square_integral', self%square_integral)
       call snapshot%keep('total', self%total)
       call snapshot%keep('squares', self%squares)
+      ! Not saved: limit, started, most_evaluations, heeds_signals
    end subroutine exchange_sink
 
    !> The same with the samples themselves.

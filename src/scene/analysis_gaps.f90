@@ -18,7 +18,8 @@ module limber_scene_analysis_gaps
 
 contains
 
-   !> Carries the place of the scene from one time to another by its frames: deflections stay. Where a place in between does not exist, it stays as it was.
+   !> Carries the place of the scene from one time to another by its frames: deflections stay. Where a place in between does not
+   !> exist, it stays as it was.
    subroutine pass_gap(scene, from, to)
       type(scene_type), intent(inout) :: scene
       !> Times of the place, and of where it goes

@@ -65,7 +65,8 @@ contains
       hint = 'the damping acts on the deflections of the body alone: '//remedy_text(model, modes, body, first)
    end subroutine damping_warning
 
-   !> A warning where loads, heat or another position have changed what vibrations about a state have of the damping of their bodies:
+   !> A warning where loads, heat or another position have changed what vibrations about a state have of the damping of their
+   !> bodies:
    !> of the mode that errs most; empty if none does, or if some do so from the first position on.
    function changed_damping(system, tangent, vibrations, told, where) result(text)
       type(system_type), intent(in) :: system

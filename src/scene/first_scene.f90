@@ -71,9 +71,10 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> Reductions of beams that need not be made again; those of this scene are added
       type(library_type), intent(inout), optional :: library
-      type(model_type) :: model
+      class(model_type), allocatable :: model
       integer(long) :: tick
       call system_clock(tick)
+      allocate (model_type :: model)
       if (scene%deck%is_whole) call build_model(scene%deck, model, diagnostics, library)
       scene%building = seconds_since(tick)
       if (diagnostics%count == 0 .and. starts_with_dynamics(model)) call check_laws(model, scene%deck, diagnostics)
@@ -255,13 +256,13 @@ contains
    subroutine damp_modes(scene, diagnostics)
       type(scene_type), intent(inout) :: scene
       type(diagnostics_type), intent(inout) :: diagnostics
-      type(model_type) :: model
+      class(model_type), allocatable :: model
       type(damped_modes_type) :: modes
       character(:), allocatable :: text, hint
       logical, allocatable :: missed(:)
       integer :: i, body
       if (.not. any_modal(scene%system%model)) return
-      model = scene%system%model
+      allocate (model, source=scene%system%model)
       call find_damping(scene%system, scene%work, model, scene%q, missed, modes)
       do i = 1, size(missed)
          if (.not. missed(i)) cycle

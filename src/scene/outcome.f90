@@ -26,8 +26,8 @@ module limber_scene_outcome
       !> Of each joint -1 behind a warning of what it takes for granted; of wheels, the distance of their centres at the first
       !> sample (joints)
       real(wp), allocatable :: centres(:)
-      !> Of each constraint the largest velocity residual at a sample, its time, and the largest speed that a side of it makes, or its
-      !> law [length/time or 1/time] (constraints); not allocated without any
+      !> Of each constraint the largest velocity residual at a sample, its time, and the largest speed that a side of it makes, or
+      !> its law [length/time or 1/time] (constraints); not allocated without any
       real(wp), allocatable :: slip(:), slip_time(:), slip_speed(:)
       !> Whether a sample could not be brought onto the constraints
       logical :: astray = .false.
@@ -64,7 +64,7 @@ module limber_scene_outcome
       !> Envelopes of internal forces (bodies)
       type(section_forces_type), allocatable :: efforts(:)
       !> How far the flexible bodies are within the ranges of their models; allocated by analyses that look at it
-      type(indicators_type), allocatable :: indicators
+      class(indicators_type), allocatable :: indicators
    contains
       procedure :: exchange => exchange_outcome
    end type outcome_type
@@ -107,6 +107,7 @@ contains
       call snapshot%exchange('ended', self%ended)
       call self%bound%exchange(snapshot)
       if (allocated(self%indicators)) call self%indicators%exchange(snapshot)
+      ! Not saved: reached, shows_work, unfollowed, efforts
    end subroutine exchange_outcome
 
    !> What an imbalance of energy is relative to: the largest energy, what drivers, loads and damping have exchanged, eq. (7.1), or

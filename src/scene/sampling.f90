@@ -41,8 +41,8 @@ module limber_scene_sampling
       logical :: local = .false.
       !> Largest multiplier at samples that were not at a singular position
       real(wp) :: forces = 0.0_wp
-      !> Whether the sample just taken is at a singular position, and was not recorded: constraints have no grip there, and forces and
-      !> accelerations have round-off only; what these constraints are; and whether it is to be recorded as it is
+      !> Whether the sample just taken is at a singular position, and was not recorded: constraints have no grip there, and forces
+      !> and accelerations have round-off only; what these constraints are; and whether it is to be recorded as it is
       logical :: ungripped = .false., anyhow = .false.
       character(:), allocatable :: weakest
       !> Samples that were recorded aside of such a position
@@ -74,6 +74,7 @@ contains
       call snapshot%exchange('good_to', self%good_to)
       call snapshot%exchange('sample_forces', self%forces)
       call snapshot%exchange('sample_aside', self%aside)
+      ! Not saved: local, ungripped, anyhow, weakest, held, rates
    end subroutine exchange_sample
 
    !> Time of a sample; the last is the end, to the bit.
@@ -155,9 +156,9 @@ contains
       if (.not. sample%ungripped) sample%forces = forces
    end subroutine look_at_grip
 
-   !> Brings a sample of an integrator that passes over vibrations into balance with the accelerations of its dense output. Forces of stiff
-   !> bodies and springs would else be those of the errors of the motion. Where there are no such accelerations, frames alone close
-   !> the joints of samples within steps.
+   !> Brings a sample of an integrator that passes over vibrations into balance with the accelerations of its dense output. Forces
+   !> of stiff bodies and springs would else be those of the errors of the motion. Where there are no such accelerations, frames
+   !> alone close the joints of samples within steps.
    subroutine balance_sample(scene, t, integrator, sample)
       type(scene_type), intent(inout) :: scene
       real(wp), intent(in) :: t

@@ -59,7 +59,7 @@ contains
 
    !> Where a joint or driver stands in the deck.
    pure function place_of(scene, constraint) result(origin)
-      type(scene_type), intent(in) :: scene
+      class(scene_type), intent(in) :: scene
       !> Its index among the constraints
       integer, intent(in) :: constraint
       type(origin_type) :: origin

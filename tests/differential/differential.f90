@@ -7,8 +7,8 @@
 !> --show prints the decks of all views; --talk how each run ended, and its warnings; --all a line for each scene; --reduce leaves
 !> out of a scene that disagrees whatever is not needed for it, and leaves its decks in the working folder, as NUMBER-a.inp and
 !> NUMBER-b.inp; --slow has ten times the patience, --quick a third of it for each run, and all of it for what disagrees;
-!> --target runs the same scenes with exact beams whose functions, integrator and tolerance limber chooses for a target of 1e-2: what
-!> it says is kept must be kept.
+!> --target runs the same scenes with exact beams whose functions, integrator and tolerance limber chooses for a target of 1e-2:
+!> what it says is kept must be kept.
 program differential
    use, intrinsic :: iso_fortran_env, only: output_unit
    use limber_base_kinds, only: wp
@@ -93,7 +93,8 @@ contains
       if (sum(tally(peaceful + 1:)) > 0) stop 1
    end subroutine main
 
-   !> Leaves a scene the channels of motion: forces, deflections and accelerations of short beams that are struck make searches long.
+   !> Leaves a scene the channels of motion: forces, deflections and accelerations of short beams that are struck make searches
+   !> long.
    subroutine keep_motion(draft)
       type(draft_type), intent(inout) :: draft
       integer, parameter :: motion(4) = [places, angles, speeds, spins]

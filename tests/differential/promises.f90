@@ -1,5 +1,5 @@
-!> Scenes of exact beams whose functions, integrator and tolerance limber chooses for a target: whether what it says is kept is kept,
-!> against two references with many functions.
+!> Scenes of exact beams whose functions, integrator and tolerance limber chooses for a target: whether what it says is kept is
+!> kept, against two references with many functions.
 module promises
    use, intrinsic :: iso_fortran_env, only: output_unit
    use limber_base_kinds, only: wp

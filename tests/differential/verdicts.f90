@@ -149,9 +149,9 @@ contains
          verdict%ratio = 1.0_wp
       end subroutine disagree
 
-      !> Warnings of a view that the base has not, or the other way round, unless a changed scene is on the other side too. A warning
-      !> of one run may be missing in another whose numbers are right without it, or which tells of vibrations in the words of another
-      !> integrator: AUTO may choose one in a view and another in the next.
+      !> Warnings of a view that the base has not, or the other way round, unless a changed scene is on the other side too. A
+      !> warning of one run may be missing in another whose numbers are right without it, or which tells of vibrations in the words
+      !> of another integrator: AUTO may choose one in a view and another in the next.
       subroutine compare_warnings(view)
          type(view_type), intent(in) :: view
          character(:), allocatable :: more, fewer

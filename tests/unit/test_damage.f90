@@ -1,5 +1,5 @@
-!> Damaged and foreign files: of a checkpoint in which one bit has changed nothing is read, or what was written; files of which a part
-!> is elsewhere are not read; of a motion whose lists do not fit nothing is drawn, and nothing crashes.
+!> Damaged and foreign files: of a checkpoint in which one bit has changed nothing is read, or what was written; files of which a
+!> part is elsewhere are not read; of a motion whose lists do not fit nothing is drawn, and nothing crashes.
 program test_damage
    use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_quiet_nan, ieee_value
    use hdf5, only: hid_t, hsize_t, h5dclose_f, h5dcreate_f, h5lcreate_external_f, h5lcreate_soft_f, h5p_dataset_create_f, &

@@ -198,8 +198,8 @@ contains
       call check_header('without.h5', '# time [s]  angle_arm [rad]  two [1]  energy [J]')
    end subroutine test_run
 
-   !> A bead on a rod that a torque turns: the force of the joint along the rod is zero but for round-off of that across it, whatever
-   !> it is multiplied by, and its errors do not shrink; no tolerance helps. One that is small beside it is no zero.
+   !> A bead on a rod that a torque turns: the force of the joint along the rod is zero but for round-off of that across it,
+   !> whatever it is multiplied by, and its errors do not shrink; no tolerance helps. One that is small beside it is no zero.
    subroutine test_zero()
       type(error_type), allocatable :: error
       character(:), allocatable :: report

@@ -140,7 +140,7 @@ contains
          do i = 1, size(system%layout%q)
             if (.not. system%layout%framed(i)) cycle
             associate (u => q(system%layout%q(i) + 2:system%layout%q(i) + 3), &
-                  & rate => v(system%layout%q(i) + 2:system%layout%q(i) + 3))
+               & rate => v(system%layout%q(i) + 2:system%layout%q(i) + 3))
                outcome%residual(3:) = max(outcome%residual(3:), [abs(norm2(u) - 1), abs(dot_product(u, rate))])
             end associate
          end do

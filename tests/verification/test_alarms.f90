@@ -147,8 +147,8 @@ contains
          & 1.0e-6_wp, '')
    end subroutine test_still
 
-   !> A driver that turns a body on a spring by half turns and more in an increment of a static analysis: its end is where the law says,
-   !> and the spring has the length of that.
+   !> A driver that turns a body on a spring by half turns and more in an increment of a static analysis: its end is where the law
+   !> says, and the spring has the length of that.
    subroutine test_turning()
       character(8), parameter :: laws(4) = [character(8) :: 'pi*t', '0.9*pi*t', '3*pi*t', '20*pi*t']
       real(wp), parameter :: turned(4) = acos(-1.0_wp)*[1.0_wp, 0.9_wp, 3.0_wp, 20.0_wp]

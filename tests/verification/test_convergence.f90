@@ -59,8 +59,8 @@ contains
          & '*STATICS, INCREMENTS=1'//nl, [20.934110266_wp, 409.46013948_wp])
    end subroutine check_modes
 
-   !> A bar on one hinge, tan x = tanh x: one function of the angle for its first vibration, two for two, and forty, whose finite elements
-   !> are many, tell the same. Before, the first function was spoilt at the hinge: one gave 24.5 for 15.4.
+   !> A bar on one hinge, tan x = tanh x: one function of the angle for its first vibration, two for two, and forty, whose finite
+   !> elements are many, tell the same. Before, the first function was spoilt at the hinge: one gave 24.5 for 15.4.
    subroutine check_hinged()
       real(wp), parameter :: truth(2) = [3.926602312048_wp, 7.068582745629_wp]**2, errors(3) = [1.0e-5_wp, 2.0e-5_wp, 1.0e-6_wp]
       character(*), parameter :: hinges(2) = [character(80) :: 'bar.start', 'bar.end']

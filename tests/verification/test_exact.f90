@@ -136,8 +136,9 @@ contains
       call reader%close()
    end subroutine check_deck
 
-   !> A follower force across the tip, P L^2/(E I) = 30: from E I theta'' = -P cos(theta - theta(L)), by quadrature to 1e-12. Functions
-   !> that meet the condition of the tip, eq. (2.34), err 7.6e-5 with 10 and 8e-6 with 12; without it 10 erred less than 2e-5.
+   !> A follower force across the tip, P L^2/(E I) = 30: from E I theta'' = -P cos(theta - theta(L)), by quadrature to 1e-12.
+   !> Functions that meet the condition of the tip, eq. (2.34), err 7.6e-5 with 10 and 8e-6 with 12; without it 10 erred less than
+   !> 2e-5.
    subroutine check_follower()
       type(history_reader_type) :: reader
       call run_bar('FUNCTIONS=12, STRAIN FUNCTIONS=0', wall//'*FORCE, NAME=load, POINT=bar.end, FOLLOWER=YES'//nl// &
@@ -283,8 +284,8 @@ contains
       end do
    end subroutine check_fall
 
-   !> A point that slides without friction along a cantilever, at a given x = 0.6, pressed down by 2.1 E I/L^2: elastica with a force
-   !> normal to the axis at its end, integrated to 1e-11 elsewhere. Behind the point the bar is straight and free of forces.
+   !> A point that slides without friction along a cantilever, at a given x = 0.6, pressed down by 2.1 E I/L^2: elastica with a
+   !> force normal to the axis at its end, integrated to 1e-11 elsewhere. Behind the point the bar is straight and free of forces.
    subroutine check_sliding()
       type(history_reader_type) :: reader
       call run_bar('FUNCTIONS=16, STRAIN FUNCTIONS=0', wall//'*POINT MASS, NAME=bead, MASS=1, X=0.6'//nl// &
@@ -302,8 +303,8 @@ contains
       call reader%close()
    end subroutine check_sliding
 
-   !> A coupler of two wheels on a cantilever, (first) + 2 (second) = const, a torque of 0.2 on the second: its couples on the sections
-   !> are 0.1 at the end and 0.2 in the middle.
+   !> A coupler of two wheels on a cantilever, (first) + 2 (second) = const, a torque of 0.2 on the second: its couples on the
+   !> sections are 0.1 at the end and 0.2 in the middle.
    subroutine check_coupler()
       type(history_reader_type) :: reader
       call run_bar('FUNCTIONS=4, STRAIN FUNCTIONS=0', wall//'*RIGID BODY, NAME=first, MASS=1, INERTIA=1, X=1'//nl// &
@@ -340,8 +341,8 @@ contains
       call check_frequencies(pin//roller//couple, pi*[1, 2, 3], 'a couple at a pin')
    end subroutine check_supports
 
-   !> A cantilever in pieces under a force and a couple in its middle, within the second piece: F a^2 (3 L - a)/6 + C a (L - a/2) at the
-   !> tip, in units of E I; with shear F a/(kappa G A) more, kappa G A = 0.8 E A/2.6.
+   !> A cantilever in pieces under a force and a couple in its middle, within the second piece: F a^2 (3 L - a)/6 + C a (L - a/2) at
+   !> the tip, in units of E I; with shear F a/(kappa G A) more, kappa G A = 0.8 E A/2.6.
    subroutine check_pieces()
       type(history_reader_type) :: reader
       character(*), parameter :: loads = '*FORCE, NAME=load, POINT=bar.middle'//nl//' 0, 1e-3*t'//nl//'*TORQUE, NAME=twist, '// &
@@ -398,8 +399,8 @@ contains
       call reader%close()
    end subroutine check_frequencies
 
-   !> Too few functions are warned of: of a follower force (deflections 0.2 off with two, 0.01 with four, known from 16), a cantilever
-   !> that does not stretch under an axial force, a stretch that is not constant.
+   !> Too few functions are warned of: of a follower force (deflections 0.2 off with two, 0.01 with four, known from 16), a
+   !> cantilever that does not stretch under an axial force, a stretch that is not constant.
    subroutine check_watch()
       character(*), parameter :: follower = wall//'*FORCE, NAME=load, POINT=bar.end, FOLLOWER=YES'//nl//' 0, 20*t'//nl// &
          & '*STATICS, INCREMENTS=10'//nl

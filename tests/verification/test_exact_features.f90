@@ -213,8 +213,8 @@ contains
       call reader%close()
    end subroutine check_thick_and_thin
 
-   !> Quarters of a circle of radius 0.5, clamped and free, and clamped at both ends, without the terms of (h/R)^2, which are 1e-4; with
-   !> shear; its place, drawn and undeformed.
+   !> Quarters of a circle of radius 0.5, clamped and free, and clamped at both ends, without the terms of (h/R)^2, which are 1e-4;
+   !> with shear; its place, drawn and undeformed.
    subroutine check_arc()
       type(history_reader_type) :: reader
       type(error_type), allocatable :: error
@@ -239,9 +239,9 @@ contains
       call reader%close()
    end subroutine check_arc
 
-   !> Stresses of crane hooks, half circles of the radius R whose force F goes through their centre, by Winkler and Bach: with the radius
-   !> r_n of the neutral fibre, e = R - r_n, M = -F R, sigma = F/A + F R (r_n - r)/(A e r). Thick ones are told what their deflection
-   !> lacks, and those whose shape is not known what their stresses do.
+   !> Stresses of crane hooks, half circles of the radius R whose force F goes through their centre, by Winkler and Bach: with the
+   !> radius r_n of the neutral fibre, e = R - r_n, M = -F R, sigma = F/A + F R (r_n - r)/(A e r). Thick ones are told what their
+   !> deflection lacks, and those whose shape is not known what their stresses do.
    subroutine check_hooks()
       real(wp), parameter :: h = 0.05_wp, b = 0.02_wp, r = 0.1_wp
       character(:), allocatable :: round, tube, general

@@ -27,7 +27,8 @@ program test_exact_functions
 
 contains
 
-   !> A uniform load of 0.1 in units of E I/L^3; the largest deflections between the ends are a little larger than those in the middle.
+   !> A uniform load of 0.1 in units of E I/L^3; the largest deflections between the ends are a little larger than those in the
+   !> middle.
    subroutine check_deflections()
       call check_sag(wall, 1, 'y', 1.0_wp/8)
       call check_sag(pin//roller, 1, 'ym', 5.0_wp/384)
@@ -169,8 +170,8 @@ contains
       end do
    end subroutine check_parts
 
-   !> A mass within a beam that one function of the strain holds too stiffly along the axis: the mode at 119.03 rad/s, c k of the least
-   !> k with tan 0.63 k - cot 0.37 k = -k, is missing between the fourth and the fifth of the list.
+   !> A mass within a beam that one function of the strain holds too stiffly along the axis: the mode at 119.03 rad/s, c k of the
+   !> least k with tan 0.63 k - cot 0.37 k = -k, is missing between the fourth and the fifth of the list.
    subroutine check_missing()
       call check_list(1, .true.)
       call check_list(6, .false.)
@@ -200,7 +201,8 @@ contains
       call reader%close()
    end subroutine check_list
 
-   !> A load from 0.3 to 0.55 by default: of a beam on pins by Simpson's rule, exact for the cubic influence of a force on the middle;
+   !> A load from 0.3 to 0.55 by default: of a beam on pins by Simpson's rule, exact for the cubic influence of a force on the
+   !> middle;
    !> of a cantilever at its tip.
    subroutine check_spreads()
       character(*), parameter :: part = '*DISTRIBUTED LOAD, NAME=snow, BODY=bar, START=0.3, END=0.55'//nl//' 0, -1e-2'//nl// &

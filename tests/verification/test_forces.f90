@@ -1,5 +1,6 @@
 !> Loads in whole runs against solutions in closed form, by all integrators, against the published one of the car axis, and
-!> against the tables of beams. Forces between steps of a method that passes over vibrations, against a fine run. Usage, in tests/: test_forces RESULT_FILE
+!> against the tables of beams. Forces between steps of a method that passes over vibrations, against a fine run. Usage, in tests/:
+!> test_forces RESULT_FILE
 program test_forces
    use limber_base_kinds, only: wp
    use limber_output_history_reader, only: history_reader_type

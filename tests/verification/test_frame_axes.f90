@@ -1,6 +1,6 @@
 !> Axes that a deck speaks of are those of the body that it names, not of a member or piece that stands for it: joints, bushings,
-!> drivers, joint forces and angles of bodies on a sloping member of a frame, in either order of points, with LARGE=NO and YES, and of
-!> beams in segments; all against closed forms of a frame that is all but rigid. Usage, in tests/: test_frame_axes RESULT_FILE
+!> drivers, joint forces and angles of bodies on a sloping member of a frame, in either order of points, with LARGE=NO and YES, and
+!> of beams in segments; all against closed forms of a frame that is all but rigid. Usage, in tests/: test_frame_axes RESULT_FILE
 program test_frame_axes
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
@@ -26,8 +26,8 @@ program test_frame_axes
 
 contains
 
-   !> A frame at an angle of 0.3 whose first member is drawn from right to left, the second at a slope of 0.9273, with a body on that
-   !> one for each kind of joint.
+   !> A frame at an angle of 0.3 whose first member is drawn from right to left, the second at a slope of 0.9273, with a body on
+   !> that one for each kind of joint.
    subroutine check_frame(large, order)
       !> YES or NO; 1: the frame is named second in each joint, 2: first
       character(*), intent(in) :: large
@@ -96,7 +96,8 @@ contains
       if (order == 2) line = ' '//second//', '//first//nl
    end function pair
 
-   !> A cantilever in four pieces that a weight of 20 kg bends far: the frame of the beam, whose angle is told, is that of its joint.
+   !> A cantilever in four pieces that a weight of 20 kg bends far: the frame of the beam, whose angle is told, is that of its
+   !> joint.
    subroutine check_segments(option, clamped)
       character(*), intent(in) :: option
       !> Whether its frame is the section at the start, else the chord

@@ -97,7 +97,8 @@ contains
       call judge('pieces, stiffness', bar//', SEGMENTS=4'//nl//'*DAMPING, BODY=a, RAYLEIGH BETA=1e-4'//nl//wall, [real(wp) ::], '')
    end subroutine check_pieces
 
-   !> A column on pins at 0.75 of Euler's load vibrates at half its frequency: the damping that was 0.02 is 0.04 of the critical one.
+   !> A column on pins at 0.75 of Euler's load vibrates at half its frequency: the damping that was 0.02 is 0.04 of the critical
+   !> one.
    subroutine check_loads()
       character(*), parameter :: column = '*JOINT, NAME=foot, TYPE=REVOLUTE'//nl//' a.start, ground.origin'//nl// &
          & '*JOINT, NAME=roller, TYPE=POINT ON LINE'//nl//' a.end, ground.right'//nl//ground//'*FORCE, NAME=push, POINT=a.end'//nl

@@ -190,8 +190,8 @@ contains
       call reader%close()
    end subroutine run
 
-   !> A mass that slides along a beam is where the beam's own points are when it passes them, also beside a node that a force has put
-   !> in. Before, the nodes were taken to be at equal distances: 2e-4 off, and jumps that no step of RADAU could pass at 1e-8.
+   !> A mass that slides along a beam is where the beam's own points are when it passes them, also beside a node that a force has
+   !> put in. Before, the nodes were taken to be at equal distances: 2e-4 off, and jumps that no step of RADAU could pass at 1e-8.
    subroutine check_sliding_mass()
       character(1), parameter :: points(4) = ['a', 'b', 'c', 'd']
       integer, parameter :: passes(4) = [19, 29, 46, 88]

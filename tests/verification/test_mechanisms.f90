@@ -366,8 +366,8 @@ contains
       omega2 = [((i*pi/length)**4*stiffness/mass, i=1, 4)]
    end function squares
 
-   !> A parallelogram whose crank is driven round: samples fall on the positions in which it lies flat, where its joints have no grip
-   !> on the rocker. The driver bears the weights of the three bodies, of mass 1 and cranks of 0.5: 4.905 cos(angle).
+   !> A parallelogram whose crank is driven round: samples fall on the positions in which it lies flat, where its joints have no
+   !> grip on the rocker. The driver bears the weights of the three bodies, of mass 1 and cranks of 0.5: 4.905 cos(angle).
    subroutine check_flat()
       character(*), parameter :: nl = new_line('a')
       integer, parameter :: n = 100

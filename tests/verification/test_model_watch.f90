@@ -229,8 +229,8 @@ contains
       call reader%close()
    end subroutine check_ends
 
-   !> Laws that bend or jump where the mass rests: between 10 and 20 rad/s, damping ratios of 0.15 and -0.15, Coulomb's friction; none
-   !> a little beside the bend, nor for a law that is smooth there.
+   !> Laws that bend or jump where the mass rests: between 10 and 20 rad/s, damping ratios of 0.15 and -0.15, Coulomb's friction;
+   !> none a little beside the bend, nor for a law that is smooth there.
    subroutine check_kinks()
       call judge_kink('a stop that touches', '', "the law of 'stop' on body 'm' bends in this state: with its slope to one side"// &
          & ' the frequency is 20 rad/s, with that to the other 10 rad/s, and *MODES takes one of them; go off the bend')

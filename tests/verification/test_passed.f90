@@ -22,8 +22,8 @@ program test_passed
 
 contains
 
-   !> A mast with a mass at its end, moved by 0.5 m in 5 s. The law begins with a jerk of 0.24 m/s^3: the first vibration, at 180 rad/s,
-   !> has 0.7 % of the force.
+   !> A mast with a mass at its end, moved by 0.5 m in 5 s. The law begins with a jerk of 0.24 m/s^3: the first vibration, at 180
+   !> rad/s, has 0.7 % of the force.
    subroutine check_mast(functions, tolerance, most)
       character(*), intent(in) :: functions, tolerance
       !> Error in parts of the largest force

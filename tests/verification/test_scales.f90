@@ -200,7 +200,8 @@ contains
       call reader%close()
    end subroutine check_statics
 
-   !> Two masses on a spring of half a millimetre, beside a body 1e7 away: they are 0.5 + 0.2 cos(w t) mm apart, w^2 = k (1/m + 1/M).
+   !> Two masses on a spring of half a millimetre, beside a body 1e7 away: they are 0.5 + 0.2 cos(w t) mm apart, w^2 = k (1/m +
+   !> 1/M).
    subroutine check_short_spring(law)
       !> Of the spring, beside its stiffness
       character(*), intent(in) :: law

@@ -1,5 +1,5 @@
-!> Beams and frames that are short, of all models without shear: what they are told to lack against a Timoshenko beam (of 60 elements
-!> of its own, ratio of length to height 2, Poisson's ratio 0.3). Usage, in tests/: test_short_beams RESULT_FILE
+!> Beams and frames that are short, of all models without shear: what they are told to lack against a Timoshenko beam (of 60
+!> elements of its own, ratio of length to height 2, Poisson's ratio 0.3). Usage, in tests/: test_short_beams RESULT_FILE
 program test_short_beams
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
@@ -70,8 +70,9 @@ contains
       call check(abs(told_of(body//scene//'*MODES, NUMBER=1'//nl, 'first bending frequency')) <= 0.0_wp, what)
    end subroutine check_silent
 
-   !> What holds the ends beside joints with the ground: drivers of a hinge, wheels, springs, a hub on a hinge; and bodies that hang on
-   !> the end, which hold nothing. E I = 41667e3, m = 78, of a length of 1; frequencies of Timoshenko elements with springs and masses.
+   !> What holds the ends beside joints with the ground: drivers of a hinge, wheels, springs, a hub on a hinge; and bodies that hang
+   !> on the end, which hold nothing. E I = 41667e3, m = 78, of a length of 1; frequencies of Timoshenko elements with springs and
+   !> masses.
    subroutine check_holds()
       character(*), parameter :: pin = '*JOINT, NAME=pin, TYPE=REVOLUTE'//nl//' bar.start, ground.origin'//nl
       character(*), parameter :: roller = far//'*JOINT, NAME=roller, TYPE=POINT ON LINE'//nl//' bar.end, ground.far'//nl

@@ -52,8 +52,8 @@ contains
       call reader%close()
    end subroutine check_statics
 
-   !> Loads that jump within an element, are narrower than one, or wave many times in one: the force of a weld and the tip, the sums of
-   !> forces q ds at a distance a, each of which bends the tip by a^2 (3 - a)/(6 E I) with the length 1.
+   !> Loads that jump within an element, are narrower than one, or wave many times in one: the force of a weld and the tip, the sums
+   !> of forces q ds at a distance a, each of which bends the tip by a^2 (3 - a)/(6 E I) with the length 1.
    subroutine check_narrow()
       character(*), parameter :: laws(5) = [character(45) :: 'step(s - 0.37)', '10*exp(-((s - 0.2313)/1e-2)**2)', &
          & '10*step(s - 0.5)*step(0.503 - s)', 'sin(1000*s)**2', 'exp(-((s - 0.6)/1e-3)**2)']

@@ -57,8 +57,8 @@ contains
       call reader%close()
    end subroutine check_angles
 
-   !> Samples of places alone, which are moved onto the joints as far as the tolerance asks, are those of a run that moves each of them
-   !> all the way, for it shows a speed too.
+   !> Samples of places alone, which are moved onto the joints as far as the tolerance asks, are those of a run that moves each of
+   !> them all the way, for it shows a speed too.
    subroutine check_samples(integrator, tolerance, outputs, part)
       character(*), intent(in) :: integrator, tolerance
       !> Samples behind the first one; part of the tolerance by which they may differ

@@ -45,7 +45,8 @@ contains
    end subroutine last_instant
 
    !> The load at the limit point of two springs k of the free length l at the half span b and the height h, which is passed at the
-   !> height y with (b^2 + y^2)^(3/2) = l b^2: 2 k y (l/sqrt(b^2 + y^2) - 1). Any stiffness, unit, side, increment and excess of load.
+   !> height y with (b^2 + y^2)^(3/2) = l b^2: 2 k y (l/sqrt(b^2 + y^2) - 1). Any stiffness, unit, side, increment and excess of
+   !> load.
    subroutine check_toggle()
       real(wp), parameter :: k(3) = [1000.0_wp, 1.0e9_wp, 0.2_wp], b(3) = [1.0_wp, 0.001_wp, 1000.0_wp]
       real(wp), parameter :: slope(2) = [0.3_wp, 0.02_wp], push(2) = [0.05_wp, 50.0_wp]
@@ -131,8 +132,8 @@ contains
       end do
    end subroutine check_portal
 
-   !> An inverted pendulum on a rotational spring: k/l is a bifurcation, whether an increment ends there or not, and whichever way it
-   !> stands.
+   !> An inverted pendulum on a rotational spring: k/l is a bifurcation, whether an increment ends there or not, and whichever way
+   !> it stands.
    subroutine check_pendulum()
       character(*), parameter :: increments(4) = [character(13) :: 'INCREMENTS=3', 'INCREMENTS=4', 'INCREMENTS=10', 'INCREMENTS=37']
       character(*), parameter :: side(2) = [character(9) :: 'side = 1', 'side = -1']

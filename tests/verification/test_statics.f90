@@ -321,8 +321,8 @@ contains
       relative = relative/product(sum(abs(matrix), 2))
    end function mount_determinant
 
-   !> A cantilever under a force F across its end has the axial force F w' = F^2 (L x - x^2/2)/(E I) along its deflected axis and none
-   !> along the undeformed one, also where a finite element lies in two geometric elements.
+   !> A cantilever under a force F across its end has the axial force F w' = F^2 (L x - x^2/2)/(E I) along its deflected axis and
+   !> none along the undeformed one, also where a finite element lies in two geometric elements.
    subroutine check_crossed_elements()
       type(history_reader_type) :: reader
       type(error_type), allocatable :: error

@@ -1,5 +1,6 @@
 !> Steps of RADAU are bound to what moves: they go over vibrations that are hardly excited, and follow those that are, or that
-!> become the motion. References: ADAMS, which shares nothing with it but the equations; a mass on a spring. Usage, in tests/: test_steps RESULT_FILE
+!> become the motion. References: ADAMS, which shares nothing with it but the equations; a mass on a spring. Usage, in tests/:
+!> test_steps RESULT_FILE
 program test_steps
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
@@ -8,8 +9,8 @@ program test_steps
    use testing, only: check, check_no_error, finish
    implicit none
    character(*), parameter :: nl = new_line('a')
-   !> The default beam of steel on a hinge, let go from level: its fastest vibrations, at some thousand rad/s, move it by less than a
-   !> millionth of its length
+   !> The default beam of steel on a hinge, let go from level: its fastest vibrations, at some thousand rad/s, move it by less than
+   !> a millionth of its length
    character(*), parameter :: arm = '*MATERIAL, NAME=steel, YOUNG=200e9, DENSITY=7870'//nl// &
       & '*SECTION, NAME=round, SHAPE=CIRCLE, DIAMETER=0.1'//nl//'*BEAM, NAME=arm, MATERIAL=steel, SECTION=round, LENGTH=10'//nl// &
       & '*JOINT, NAME=hinge, TYPE=REVOLUTE'//nl//' arm.start, ground.origin'//nl//'*GRAVITY'//nl
@@ -76,8 +77,8 @@ contains
       call check(off <= 2.0e-5_wp, 'a vibration that is excited is followed')
    end subroutine check_spring
 
-   !> A mass behind a stiff damper, and a push that comes at once: the pull of both is the push before the first step has ended, while
-   !> the motion is slow. Samples within that step show it.
+   !> A mass behind a stiff damper, and a push that comes at once: the pull of both is the push before the first step has ended,
+   !> while the motion is slow. Samples within that step show it.
    subroutine check_relaxed()
       real(wp), parameter :: stiffness = 4.0e7_wp, damping = 2.0e6_wp, jump = 0.098_wp
       real(wp), allocatable :: x(:, :), w(:, :)

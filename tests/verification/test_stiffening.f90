@@ -1,8 +1,8 @@
-!> Runs whose integrator changes on its way. A run turns stiff: a block slides to rest under friction F tanh(v/eps) and a force P, and then creeps with
-!> eps*atanh(P/F), its way being v0^2/(2 (F - P)). INTEGRATOR=AUTO begins with ADAMS and goes over to RADAU; ADAMS as the deck's
-!> choice is told what it costs; a damper that is there from the start begins with RADAU. And a run is not stiff after all: a
-!> vibration x = A cos(omega t), far faster than the motion beside it, that the tolerance asks for. AUTO begins with RADAU and goes
-!> over to ADAMS, which costs less than a third at the same error.
+!> Runs whose integrator changes on its way. A run turns stiff: a block slides to rest under friction F tanh(v/eps) and a force P,
+!> and then creeps with eps*atanh(P/F), its way being v0^2/(2 (F - P)). INTEGRATOR=AUTO begins with ADAMS and goes over to RADAU;
+!> ADAMS as the deck's choice is told what it costs; a damper that is there from the start begins with RADAU. And a run is not stiff
+!> after all: a vibration x = A cos(omega t), far faster than the motion beside it, that the tolerance asks for. AUTO begins with
+!> RADAU and goes over to ADAMS, which costs less than a third at the same error.
 !> Usage, in tests/: test_stiffening RESULT_FILE
 program test_stiffening
    use limber_base_kinds, only: wp

@@ -1,7 +1,7 @@
 !> Loads that come suddenly or fast on default beams: deflections and bending moments are right to a hundredth, or warned of with at
-!> least a third of their error; loads that come slowly are not warned of. Truth: sums of the modes of straight beams in closed form,
-!> on pins, clamped at one end, and on a foot that shakes. Reactions of other bodies, forces along a beam and laws that jump at a
-!> place: told, with at least half of their error. Damped beams: told, with at least their error. Usage, in
+!> least a third of their error; loads that come slowly are not warned of. Truth: sums of the modes of straight beams in closed
+!> form, on pins, clamped at one end, and on a foot that shakes. Reactions of other bodies, forces along a beam and laws that jump
+!> at a place: told, with at least half of their error. Damped beams: told, with at least their error. Usage, in
 !> tests/: test_sudden_loads RESULT_FILE
 program test_sudden_loads
    use limber_base_kinds, only: wp
@@ -197,8 +197,8 @@ contains
       q(2) = q(1) + beta*(rate(2) + real(sum(factor*root*exp(root*time)), wp))
    end function damped_answer
 
-   !> A cantilever on a hub that a couple turns for 0.05: the force of the axle is that of the weld, for the hub rests. It is 25 % off
-   !> (against 20 functions). Nothing but this is asked for.
+   !> A cantilever on a hub that a couple turns for 0.05: the force of the axle is that of the weld, for the hub rests. It is 25 %
+   !> off (against 20 functions). Nothing but this is asked for.
    subroutine check_hub()
       character(:), allocatable :: report
       call run(bar//'*RIGID BODY, NAME=hub, MASS=1, INERTIA=0.05'//nl//'*JOINT, NAME=axle, TYPE=REVOLUTE'//nl// &

@@ -167,8 +167,8 @@ contains
       call check(.not. shown%is_forgotten(none, missed, [1.0_wp], 0.1_wp), 'a pulse that the target does not ask for')
    end subroutine test_forgotten
 
-   !> A bar that a force pulls from one instant on: the axial force at its pin is a square wave, 0 and twice the force, which no small
-   !> number of functions follows.
+   !> A bar that a force pulls from one instant on: the axial force at its pin is a square wave, 0 and twice the force, which no
+   !> small number of functions follows.
    subroutine test_wave()
       call run_for('a wave', 'LENGTH=1'//newline//'*JOINT, NAME=hub, TYPE=REVOLUTE'//newline//' bar.start, ground.origin'// &
          & newline//'*FORCE, NAME=pull, POINT=bar.end'//newline//' 1, 0'//newline//'*DYNAMICS, END=8e-3, OUTPUTS=80'//newline, &
@@ -176,8 +176,9 @@ contains
       call check(status == 'not kept', 'a wave along a bar: '//status//report)
    end subroutine test_wave
 
-   !> A cantilever under a sudden force at its tip: the moment at its root is a sum of modes that falls as 1/k^2, so that the error of
-   !> the integration falls slowly with TOLERANCE and that of the model slowly with functions; both are gone after, while that is cheap.
+   !> A cantilever under a sudden force at its tip: the moment at its root is a sum of modes that falls as 1/k^2, so that the error
+   !> of the integration falls slowly with TOLERANCE and that of the model slowly with functions; both are gone after, while that is
+   !> cheap.
    !> M(0, t) = F L (1 - sum 4 (-1)^(k+1) / (b_k L)^2 cos w_k t).
    subroutine test_slow_fall()
       real(wp), parameter :: length = 0.8_wp, height = 0.02_wp, young = 2.1e11_wp, density = 7850.0_wp, push = 20.0_wp, &
@@ -232,8 +233,8 @@ contains
       part = -4*(-1.0_wp)**(k + 1)/x**2
    end function tip_and_root
 
-   !> A motor and a gear at the tip of a cantilever: the first model, which the probe takes for enough, errs by all that there is, at a
-   !> tolerance far too small; the search loosens it, and climbs as far as it takes.
+   !> A motor and a gear at the tip of a cantilever: the first model, which the probe takes for enough, errs by all that there is,
+   !> at a tolerance far too small; the search loosens it, and climbs as far as it takes.
    subroutine test_long_way()
       call run_for('long way', '', '5e-2', '*MATERIAL, NAME=steel, YOUNG=2.1e11, DENSITY=7850'//newline// &
          & '*SECTION, NAME=flat, SHAPE=RECTANGLE, WIDTH=0.04, HEIGHT=0.02'//newline// &
@@ -249,9 +250,10 @@ contains
       call check(status == 'kept', 'long way: '//status//report)
    end subroutine test_long_way
 
-   !> A robot of five bars: each of its elastic rods holds the other across, and lowers its frequency by a ten-thousandth as it stretches;
-   !> after 60 turns that is 0.002 of the deflection, and no rigid or static look shows it. Truth: 14 functions of the angle and 5 of
-   !> the strain at TOLERANCE=1e-8, which 10 and 4 at 1e-7 meet within 1e-6.
+   !> A robot of five bars: each of its elastic rods holds the other across, and lowers its frequency by a ten-thousandth as it
+   !> stretches;
+   !> after 60 turns that is 0.002 of the deflection, and no rigid or static look shows it. Truth: 14 functions of the angle and 5
+   !> of the strain at TOLERANCE=1e-8, which 10 and 4 at 1e-7 meet within 1e-6.
    subroutine test_soft_supports()
       integer, parameter :: samples(5) = [253, 261, 269, 277, 301]
       real(wp), parameter :: truth(5) = [-8.27384e-5_wp, 2.11728e-5_wp, 5.63986e-5_wp, 9.6512e-6_wp, 6.88953e-5_wp]

@@ -37,8 +37,8 @@ program test_textbook
 
 contains
 
-   !> A propped cantilever under a uniform load: reaction 3/8, moment 1/8, 1/192 in the middle. A column at 0.95 of Euler's load under
-   !> a force across its middle. A cross of four arms of 1/2, one of them clamped, loaded at two others.
+   !> A propped cantilever under a uniform load: reaction 3/8, moment 1/8, 1/192 in the middle. A column at 0.95 of Euler's load
+   !> under a force across its middle. A cross of four arms of 1/2, one of them clamped, loaded at two others.
    subroutine check_at_rest()
       real(wp) :: u
       call run_scene('propped cantilever', unit_stuff//bar//wall//roller//'*DISTRIBUTED LOAD, NAME=snow, BODY=bar'//nl// &

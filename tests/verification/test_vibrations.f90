@@ -204,7 +204,8 @@ contains
    end subroutine vibrate
 
    !> Beams on a hinge between their ends, of lengths at which the stiffness of the free motion was round-off of either sign: the
-   !> zero takes no other frequency away. They are roots of the equation of two beams that share the angle and the moment at the hinge.
+   !> zero takes no other frequency away. They are roots of the equation of two beams that share the angle and the moment at the
+   !> hinge.
    subroutine check_see_saw()
       real(wp), parameter :: lengths(6) = [1.3_wp, 1.9_wp, 2.0_wp, 2.2_wp, 2.6_wp, 2.7_wp], near = 2.0e-4_wp
       character(6), parameter :: kinds(2) = [character(6) :: 'plain', 'damped']

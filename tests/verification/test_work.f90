@@ -338,8 +338,8 @@ contains
       call reader%close()
    end subroutine check_unasked
 
-   !> Balances of energies have no value but round-off of their terms: beside these no vibration matters. All else of both scenes differs
-   !> by less than 1e-4 from runs with a thousandth of the tolerance.
+   !> Balances of energies have no value but round-off of their terms: beside these no vibration matters. All else of both scenes
+   !> differs by less than 1e-4 from runs with a thousandth of the tolerance.
    subroutine check_balance()
       character(*), parameter :: decks(2) = [character(32) :: '../input/flexible_four_bar.inp', '../input/portal_frame.inp']
       type(error_type), allocatable :: error

@@ -18,11 +18,10 @@ module limber_multibody_articulated
       & gather_three => gather_block, spread_three => spread_block
    use limber_model_model, only: model_type, point_type, body_rigid, body_flexible, ground
    use limber_multibody_point_joints, only: revolute_type
-   use limber_multibody_tree_order, only: order_on_pins
    use limber_multibody_system, only: system_type
    implicit none
    private
-   public :: articulated_type, new_forest, most_order, eliminate, hand_on, forest_solve
+   public :: articulated_type, new_forest, hinge_points, most_order, eliminate, hand_on, forest_solve
 
    !> Bodies from which on a system is worth the trouble
    integer, parameter :: many = 10
@@ -33,8 +32,8 @@ module limber_multibody_articulated
 
    !> A place in the order of the elimination: a body and the pin that it hangs on
    type :: place_type
-      !> Body, and the first one that has the same constants
-      integer :: body = 0, model = 0
+      !> The first body that has the same constants
+      integer :: model = 0
       !> Place of its carrier: 0 for the ground, -1 for none
       integer :: carrier = -1
       !> First index of its coordinates, of its rates; number of deflection coordinates
@@ -82,34 +81,20 @@ contains
    subroutine new_forest(system, forest)
       type(system_type), intent(in) :: system
       type(articulated_type), intent(out) :: forest
-      integer, allocatable :: pin(:)
       integer :: bodies, i, n, pairs
       bodies = size(system%model%bodies)
-      if (bodies < many .or. size(system%loads) > 0 .or. system%redundant .or. system%exact) return
-      if (3 + maxval(system%layout%n) > most_order) return
-      if (size(system%constraints) > bodies .or. size(system%angles) + size(system%bends) > 0) return
+      if (bodies < many .or. .not. system%tree%articulated .or. size(system%loads) > 0 .or. system%exact) return
+      if (3 + maxval(system%layout%n) > most_order .or. size(system%angles) + size(system%bends) > 0) return
       do i = 1, bodies
          if (.not. may_belong(system%model%bodies(i)%kind, system%model%bodies(i)%reduced)) return
       end do
-      do i = 1, size(system%constraints)
-         select type (item => system%constraints(i)%item)
-         type is (revolute_type)
-            if (item%driven) return
-         class default
-            return
-         end select
-      end do
-      allocate (forest%places(bodies))
-      allocate (pin(bodies))
-      call order_on_pins(system, forest%places%body, forest%places%carrier, pin)
-      ! A joint that places no body closes a loop
-      if (count(pin > 0) < size(system%constraints)) return
       n = maxval(system%layout%n)
       pairs = max(1, n*(n + 1)/2)
       forest%order = 3 + n
       forest%nw = system%layout%nw
       forest%nc = system%nc
-      call set_places(system, pin, n, forest)
+      allocate (forest%places(bodies))
+      call set_places(system, n, forest)
       allocate (forest%block(3 + n, 3 + n, bodies), forest%reaction(3 + n, 2, bodies), forest%rows(3 + n, 2, bodies), &
          & forest%carried(3 + n, 2, bodies), forest%carrying(3 + n, 2, bodies), forest%compliance(2, 2, bodies))
       allocate (forest%started(bodies), forest%pairs(pairs), &
@@ -131,19 +116,20 @@ contains
    end function may_belong
 
    !> Numbers of all places, and the pins, each kind of them once.
-   subroutine set_places(system, pin, n, forest)
+   subroutine set_places(system, n, forest)
       type(system_type), intent(in) :: system
-      !> Joint that each body hangs on; most deflection coordinates
-      integer, intent(in) :: pin(:), n
+      !> Most deflection coordinates
+      integer, intent(in) :: n
       type(articulated_type), intent(inout) :: forest
       real(wp), allocatable :: pins(:, :, :)
-      integer :: k, i, side, count
-      allocate (pins(2, 0:n, 1 + 2*size(pin)))
+      integer :: k, i, count, points(2)
+      allocate (pins(2, 0:n, 1 + 2*size(forest%places)))
       pins(:, :, 1) = 0.0_wp
       count = 1
       do k = 1, size(forest%places)
-         associate (place => forest%places(k))
-            i = place%body
+         associate (place => forest%places(k), side => system%tree%span%side(k))
+            i = system%tree%span%body(k)
+            place%carrier = system%tree%span%carrier(k)
             place%model = i
             if (k > 1) then
                if (same_body(system%model%bodies(forest%places(k - 1)%model)%reduced, system%model%bodies(i)%reduced)) &
@@ -152,20 +138,31 @@ contains
             place%q = system%layout%q(i)
             place%w = system%layout%w(i)
             place%n = system%layout%n(i)
-            if (pin(i) <= 0) cycle
-            select type (item => system%constraints(pin(i))%item)
-            type is (revolute_type)
-               side = merge(1, 2, item%bodies(1) == i)
-               place%row = item%first
-               place%sign = merge(1.0_wp, -1.0_wp, side == 1)
-               call find_pin(system%model%points(system%marker_points(item%markers(side))), n, pins, count, place%own)
-               call find_pin(system%model%points(system%marker_points(item%markers(3 - side))), n, pins, count, place%base)
-            end select
+            if (side == 0) cycle
+            place%row = system%constraints((side + 1)/2)%item%first
+            place%sign = merge(1.0_wp, -1.0_wp, modulo(side, 2) == 1)
+            points = hinge_points(system, k)
+            call find_pin(system%model%points(points(1)), n, pins, count, place%own)
+            call find_pin(system%model%points(points(2)), n, pins, count, place%base)
          end associate
       end do
       allocate (forest%pins(2, 0:n, count))
       forest%pins = pins(:, :, :count)
    end subroutine set_places
+
+   !> Points of the hinge that the body of a place hangs on: its own, and that of its carrier.
+   pure function hinge_points(system, k) result(points)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: k
+      integer :: points(2), side
+      side = system%tree%span%side(k)
+      points = 0
+      select type (item => system%constraints((side + 1)/2)%item)
+      type is (revolute_type)
+         points = system%marker_points(item%markers([1, 2]))
+         if (modulo(side, 2) == 0) points = points([2, 1])
+      end select
+   end function hinge_points
 
    !> Column of a point among the pins; it is appended unless it is one of the last.
    subroutine find_pin(point, n, pins, count, column)

@@ -9,6 +9,7 @@
 module limber_multibody_compliant_constraints
    use limber_base_kinds, only: wp
    use limber_multibody_system, only: system_type
+   use limber_multibody_topology, only: new_tree
    implicit none
    private
    public :: soften_constraints
@@ -21,43 +22,9 @@ contains
    !> Makes a system ready for redundant constraints. A workspace is to be made anew after it.
    subroutine soften_constraints(system)
       type(system_type), intent(inout) :: system
-      integer :: i, k
+      integer :: i, count
       real(wp) :: mass
-      integer :: count
-      associate (tree => system%tree)
-         tree%joint = 0
-         tree%driver = 0
-         tree%side = 0
-         tree%carrier = 0
-         tree%marker = 0
-         tree%grip = 0
-         tree%holders = 0
-         tree%holds = .false.
-         tree%axes = 0
-         tree%axis_rows = 0
-         tree%given = .false.
-         tree%timed = [integer ::]
-         tree%first = 0
-         tree%next = 0
-         tree%body = 0
-         tree%open = [(i, i=1, size(system%constraints))]
-         tree%plain = .true.
-         tree%columns = 0
-         tree%free = 0
-         do i = 1, size(tree%count)
-            tree%order(i) = i
-            tree%count(i) = system%layout%rates(i)
-            do k = 1, tree%count(i)
-               tree%free = tree%free + 1
-               tree%columns(k, i) = tree%free
-            end do
-         end do
-         do i = 1, system%nc
-            tree%row(i) = tree%free + i
-         end do
-         tree%equations = [(i, i=1, system%nc)]
-         tree%unknowns = tree%free + system%nc
-      end associate
+      system%tree = new_tree(system, system%constraints, system%nc, .false.)
       mass = 0.0_wp
       count = 0
       do i = 1, size(system%model%bodies)

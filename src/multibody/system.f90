@@ -127,7 +127,7 @@ contains
       call new_loads(system, loads)
       call move_alloc(loads, system%loads)
       call end_registry(system)
-      system%tree = new_tree(system, system%constraints, system%nc)
+      system%tree = new_tree(system, system%constraints, system%nc, model%assembly%elimination)
       system%powered = .false.
       do i = 1, size(system%constraints)
          system%powered = system%powered .or. system%constraints(i)%item%driven

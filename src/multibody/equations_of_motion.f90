@@ -130,7 +130,7 @@ contains
       type(workspace_type), intent(inout) :: work
       real(wp), contiguous, intent(in) :: q(:), v(:)
       integer :: i
-      call sum_given_forces(system, work, q, v)
+      call sum_given_forces(system, work, q, v, .true.)
       do i = 1, size(work%kinematics%beams)
          associate (body => work%bodies(work%kinematics%beams(i)), frame => work%kinematics%frames(work%kinematics%beams(i)))
             call work%kinematics%lines(i)%forces(system%model%gravity, frame%u, frame%omega, body%force, body%eta_force)
@@ -138,14 +138,16 @@ contains
       end do
    end subroutine sum_forces
 
-   !> The same without velocity terms and weight of exact beams.
-   subroutine sum_given_forces(system, work, q, v)
+   !> The same without velocity terms and weight: of exact beams, or of all bodies.
+   subroutine sum_given_forces(system, work, q, v, inertial)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       real(wp), contiguous, intent(in) :: q(:), v(:)
+      !> Whether bodies other than exact beams have theirs
+      logical, intent(in) :: inertial
       integer :: i, first, last, side
       logical :: heavy
-      heavy = any(abs(system%model%gravity) > 0.0_wp)
+      heavy = inertial .and. any(abs(system%model%gravity) > 0.0_wp)
       do i = 1, size(work%bodies)
          associate (body => work%bodies(i), reduced => system%model%bodies(i)%reduced, frame => work%kinematics%frames(i))
             body%force = 0.0_wp
@@ -153,7 +155,7 @@ contains
                if (heavy) body%force(1:2) = system%inertia(1, i)*system%model%gravity
                cycle
             else if (system%layout%n(i) == 0) then
-               call rigid_forces(system%inertia(:, i), system%model%gravity, frame%u, frame%omega, body%force)
+               if (inertial) call rigid_forces(system%inertia(:, i), system%model%gravity, frame%u, frame%omega, body%force)
                cycle
             end if
             first = system%layout%q(i) + 4
@@ -164,7 +166,7 @@ contains
                body%eta_force = -body%eta_force
                if (reduced%damped) call add_damping(reduced, -1.0_wp, v(first:last), body%eta_force)
             end if
-            if (reduced%is_exact) cycle
+            if (reduced%is_exact .or. .not. inertial) cycle
             call velocity_forces(reduced, frame%u, frame%omega, q(first:last), v(first:last), body%force, body%eta_force)
             if (heavy) call gravity_forces(reduced, system%model%gravity, frame%u, q(first:last), body%force, body%eta_force)
          end associate

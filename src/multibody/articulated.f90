@@ -199,30 +199,35 @@ contains
       same = all(abs(a%cubic - b%cubic) <= 0.0_wp)
    end function same_body
 
-   !> Inverse of a body's block, and what its pin yields to its carrier; blocks of all that hangs on it are there: eqs. (4.24),
+   !> Inverse of the block of a place, and what its pin yields to its carrier; blocks of all that hangs on it are there: eqs. (4.24),
    !> (4.25).
-   pure subroutine eliminate(order, m, pinned, block, reaction, rows, compliance, singular)
+   pure subroutine eliminate(forest, k, singular)
+      type(articulated_type), intent(inout) :: forest
+      integer, intent(in) :: k
+      !> True if a pivot vanishes
+      logical, intent(out) :: singular
+      associate (m => 3 + forest%places(k)%n, pinned => forest%places(k)%carrier >= 0)
+         select case (merge(m, 0, m == forest%order))
+         case (3)
+            call eliminate_three(pinned, forest%block(:, :, k), forest%reaction(:, :, k), forest%rows(:, :, k), &
+               & forest%compliance(:, :, k), singular)
+         case (6)
+            call eliminate_six(pinned, forest%block(:, :, k), forest%reaction(:, :, k), forest%rows(:, :, k), &
+               & forest%compliance(:, :, k), singular)
+         case default
+            call eliminate_order(forest%order, m, pinned, forest%block(:, :, k), forest%reaction(:, :, k), forest%rows(:, :, k), &
+               & forest%compliance(:, :, k), singular)
+         end select
+      end associate
+   end subroutine eliminate
+
+   !> The same for any order.
+   pure subroutine eliminate_order(order, m, pinned, block, reaction, rows, compliance, singular)
       !> Leading dimension; number of the body's rates
       integer, intent(in) :: order, m
       !> Whether it has a pin
       logical, intent(in) :: pinned
       !> A, then its inverse; G^T, then A^-1 G^T; L^T; S^-1
-      real(wp), intent(inout) :: block(order, order), reaction(order, 2)
-      real(wp), intent(in) :: rows(order, 2)
-      real(wp), intent(inout) :: compliance(2, 2)
-      !> True if a pivot vanishes
-      logical, intent(out) :: singular
-      select case (merge(m, 0, m == order))
-      case (3); call eliminate_three(pinned, block, reaction, rows, compliance, singular)
-      case (6); call eliminate_six(pinned, block, reaction, rows, compliance, singular)
-      case default; call eliminate_order(order, m, pinned, block, reaction, rows, compliance, singular)
-      end select
-   end subroutine eliminate
-
-   !> The same for any order.
-   pure subroutine eliminate_order(order, m, pinned, block, reaction, rows, compliance, singular)
-      integer, intent(in) :: order, m
-      logical, intent(in) :: pinned
       real(wp), intent(inout) :: block(order, order), reaction(order, 2)
       real(wp), intent(in) :: rows(order, 2)
       real(wp), intent(inout) :: compliance(2, 2)
@@ -288,24 +293,29 @@ contains
       end do
    end subroutine invert
 
-   !> Adds to the block of the carrier what hangs on its pin: eq. (4.25).
-   pure subroutine hand_on(order, m, compliance, carried, carrying, block)
+   !> Adds to the block of the carrier of a place what hangs on its pin: eq. (4.25).
+   pure subroutine hand_on(forest, k)
+      type(articulated_type), intent(inout) :: forest
+      integer, intent(in) :: k
+      associate (c => forest%places(k)%carrier, m => 3 + forest%places(forest%places(k)%carrier)%n)
+         select case (merge(m, 0, m == forest%order))
+         case (3)
+            call hand_on_three(forest%compliance(:, :, k), forest%carried(:, :, k), forest%carrying(:, :, k), forest%block(:, :, c))
+         case (6)
+            call hand_on_six(forest%compliance(:, :, k), forest%carried(:, :, k), forest%carrying(:, :, k), forest%block(:, :, c))
+         case default
+            call hand_on_order(forest%order, m, forest%compliance(:, :, k), forest%carried(:, :, k), forest%carrying(:, :, k), &
+               & forest%block(:, :, c))
+         end select
+      end associate
+   end subroutine hand_on
+
+   !> The same for any order.
+   pure subroutine hand_on_order(order, m, compliance, carried, carrying, block)
       !> Leading dimension; number of the carrier's rates
       integer, intent(in) :: order, m
       real(wp), intent(in) :: compliance(2, 2), carried(order, 2)
-      !> N^T, then (S^-1 N)^T
-      real(wp), intent(inout) :: carrying(order, 2)
-      real(wp), intent(inout) :: block(order, order)
-      select case (merge(m, 0, m == order))
-      case (3); call hand_on_three(compliance, carried, carrying, block)
-      case (6); call hand_on_six(compliance, carried, carrying, block)
-      case default; call hand_on_order(order, m, compliance, carried, carrying, block)
-      end select
-   end subroutine hand_on
-
-   pure subroutine hand_on_order(order, m, compliance, carried, carrying, block)
-      integer, intent(in) :: order, m
-      real(wp), intent(in) :: compliance(2, 2), carried(order, 2)
+      !> N^T, then (S^-1 N)^T; block of the carrier
       real(wp), intent(inout) :: carrying(order, 2), block(order, order)
       real(wp) :: first, second
       integer :: i, j

@@ -4,7 +4,7 @@
 module limber_multibody_driven_motion
    use limber_base_kinds, only: wp
    use limber_multibody_plane_vectors, only: turn
-   use limber_multibody_equations_of_motion, only: position_residual
+   use limber_multibody_equations_of_motion, only: position_residual, acceleration_gaps
    use limber_multibody_free_motions, only: rate_scales
    use limber_multibody_layout, only: advance, velocities_of
    use limber_multibody_motion_residual, only: motion_residual, linearise_motion
@@ -198,7 +198,7 @@ contains
          held%w(held%deflections) = 0.0_wp
          call velocities_of(system%layout, q, held%w, v)
          call motion_residual(system, work, t, q, v, held%a, held%lambda, held%motion, held%rates)
-         call gather_gamma(system, work)
+         call acceleration_gaps(system, work)
          solution(:nw) = -held%motion
          solution(held%deflections) = 0.0_wp
          solution(nw + 1:) = work%gamma
@@ -217,18 +217,6 @@ contains
       real(wp), parameter :: off = 1.0e-6_wp
       follows = .not. any(abs(held%rates) > off*maxval(abs(v)))
    end function follows
-
-   !> Right-hand sides of the acceleration equations at the placed and moved kinematics.
-   subroutine gather_gamma(system, work)
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(inout) :: work
-      integer :: i
-      do i = 1, size(system%constraints)
-         associate (item => system%constraints(i)%item)
-            call item%gamma(work%kinematics, work%gamma(item%first:item%first + item%rows - 1))
-         end associate
-      end do
-   end subroutine gather_gamma
 
    !> Second derivatives of the coordinates from those of the rates: u'' = alpha J u - omega^2 u.
    subroutine accelerations_of(system, work, rates, a)
@@ -375,7 +363,7 @@ contains
       held%a = 0.0_wp
       held%lambda = 0.0_wp
       call motion_residual(system, work, t, q, v, held%a, held%lambda, held%motion, held%rates)
-      if (moves) call gather_gamma(system, work)
+      if (moves) call acceleration_gaps(system, work)
       call linearise_motion(system, work, held%tangent, q, v, held%a, held%lambda)
       held%tangent%softness = 1.0_wp
       call combine(held%tangent, (1.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), .false.)

@@ -18,7 +18,7 @@ module limber_multibody_equations_of_motion
    implicit none
    private
    public :: linearise, linearise_placed, accelerations, accelerate, sum_forces, sum_given_forces
-   public :: position_residual, open_residual, velocity_residual, velocity_gaps
+   public :: position_residual, open_residual, velocity_residual, velocity_gaps, acceleration_gaps
    public :: input_power, power_at, add_parts_of_power, mechanical_energy, worst_constraint
 
 contains
@@ -75,11 +75,7 @@ contains
       if (present(reactions)) asked = reactions
       call move_frames(system%model, system%layout, q, v, work%kinematics)
       call sum_forces(system, work, q, v)
-      do i = 1, size(system%constraints)
-         associate (item => system%constraints(i)%item)
-            call item%gamma(work%kinematics, work%gamma(item%first:item%first + item%rows - 1))
-         end associate
-      end do
+      call acceleration_gaps(system, work)
       call solve_multiplier_system(system, work, work%gamma, a, .false.)
       if (asked) call recover_multipliers(system, work)
       do i = 1, size(work%bodies)
@@ -94,6 +90,18 @@ contains
       end do
       work%evaluations = work%evaluations + 1
    end subroutine accelerations
+
+   !> Right-hand sides of the acceleration equations into work%gamma; kinematics are placed and moved.
+   subroutine acceleration_gaps(system, work)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      integer :: i
+      do i = 1, size(system%constraints)
+         associate (item => system%constraints(i)%item)
+            call item%gamma(work%kinematics, work%gamma(item%first:item%first + item%rows - 1))
+         end associate
+      end do
+   end subroutine acceleration_gaps
 
    !> Accelerations that forces alone make, at rest and with the constraints kept; `linearise` comes first.
    subroutine accelerate(system, work, force, push)

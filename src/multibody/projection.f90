@@ -12,6 +12,7 @@ module limber_multibody_projection
    use limber_multibody_equations_of_motion, only: linearise, linearise_placed, position_residual, open_residual, &
       & velocity_residual, velocity_gaps
    use limber_multibody_kinematics, only: place_drives, place_frames
+   use limber_multibody_layout, only: normalise_frames
    use limber_multibody_point_motion, only: point_position, point_velocity
    use limber_multibody_multiplier_system, only: update_jacobians
    use limber_multibody_multiplier_solution, only: solve_multiplier_system, solve_gaps
@@ -25,7 +26,7 @@ module limber_multibody_projection
    !> Most rounds of Newton's method
    integer, parameter :: most_rounds = 6
 
-   public :: project_state, project_position, project_velocity, settle, settle_position, settle_place, normalise_frames, &
+   public :: project_state, project_position, project_velocity, settle, settle_position, settle_place, &
       & list_unplaced, place_known
 
 contains
@@ -78,7 +79,7 @@ contains
       real(wp), intent(in) :: t
       !> Coordinates (nq)
       real(wp), contiguous, intent(inout) :: q(:)
-      call normalise_frames(system, q)
+      call normalise_frames(system%layout, q)
       call place_tree(system, work, t, q)
       call place_frames(system%model, system%layout, t, q, work%kinematics)
    end subroutine put_together
@@ -322,7 +323,7 @@ contains
       !> Residual before, zero if nothing had to be moved but what hangs or is driven; and residual reached
       real(wp), intent(out) :: before, residual
       type(error_type), allocatable, intent(out) :: error
-      call normalise_frames(system, q)
+      call normalise_frames(system%layout, q)
       call place_tree(system, work, t, q)
       call linearise(system, work, t, q, error)
       if (allocated(error)) return
@@ -409,19 +410,6 @@ contains
       vector(first) = -omega*u(2)
       vector(first + 1) = omega*u(1)
    end subroutine spin_frame
-
-   !> Brings every frame's u to unit length.
-   pure subroutine normalise_frames(system, q)
-      type(system_type), intent(in) :: system
-      real(wp), intent(inout) :: q(:)
-      integer :: i
-      do i = 1, size(system%layout%q)
-         if (.not. system%layout%framed(i)) cycle
-         associate (first => system%layout%q(i) + 2)
-            q(first:first + 1) = q(first:first + 1)/sqrt(q(first)**2 + q(first + 1)**2)
-         end associate
-      end do
-   end subroutine normalise_frames
 
    subroutine clear_forces(work)
       type(workspace_type), intent(inout) :: work

@@ -213,7 +213,7 @@ contains
       end do
       call gather(tangent)
       tangent%softness = 0.5_wp*step%h**2
-      call combine(tangent, (1.0_wp, 0.0_wp), cmplx(1/step%h, 0.0_wp, wp), (0.5_wp, 0.0_wp), (1.0_wp, 0.0_wp), .false.)
+      call combine(tangent, 1.0_wp, 1/step%h, 0.5_wp, 1.0_wp)
    end subroutine linearise_step
 
    !> Momenta into `mass`; twice the derivatives of minus the forces into `stiffness`.

@@ -12,7 +12,7 @@ module limber_multibody_equilibrium
    use limber_multibody_sparse_eigenmodes, only: nearest_eigenvalues, is_large, by_scales
    use limber_multibody_motion_residual, only: motion_residual, linearise_motion, linearise_loads
    use limber_multibody_system, only: system_type, workspace_type
-   use limber_multibody_tangent, only: tangent_type, new_tangent, combine, gather, static_softness, solve_refined
+   use limber_multibody_tangent, only: tangent_type, new_tangent, combine_stiffness, factor_masses, gather, solve_refined
    use limber_multibody_small_vibrations, only: find_growth
    use limber_multibody_turn_counts, only: count_turns
    implicit none
@@ -179,8 +179,7 @@ contains
       real(wp), intent(out) :: size_of
       logical :: singular
       associate (nw => system%layout%nw, solution => balance%solution, matrix => balance%tangent%matrix)
-         balance%tangent%softness = static_softness(balance%tangent)
-         call combine(balance%tangent, (0.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), (1.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), .false.)
+         call combine_stiffness(balance%tangent, 0.0_wp)
          if (spring > 0.0_wp) matrix%values(balance%diagonal) = matrix%values(balance%diagonal) + spring/balance%scale**2
          call matrix%factor(singular)
          size_of = huge(size_of)
@@ -646,9 +645,7 @@ contains
       logical :: singular
       none = 0.0_wp
       call motion_residual(system, work, t, q, balance%v, balance%push, none, balance%motion, balance%rates)
-      balance%tangent%softness = 1.0_wp
-      call combine(balance%tangent, (1.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), .false.)
-      call balance%tangent%matrix%factor(singular)
+      call factor_masses(balance%tangent, singular)
       if (singular) return
       associate (nw => system%layout%nw)
          balance%solution(:nw) = -balance%motion

@@ -186,8 +186,7 @@ contains
       call new_tangent(system, tangent)
       call place_motion(system, work, 0.0_wp, q, v)
       call linearise_motion(system, work, tangent, q, v, a, lambda)
-      call combine(tangent, cmplx(mass, 0.0_wp, wp), (1.0_wp, 0.0_wp), cmplx(stiffness, 0.0_wp, wp), &
-         & cmplx(stiffness, 0.0_wp, wp), .false.)
+      call combine(tangent, mass, 1.0_wp, stiffness, stiffness)
       call tangent%matrix%factor(singular)
       call tangent%matrix%solve(x)
       call forest_factor(forest, system%model, q, w, a, lambda, mass, stiffness, singular)

@@ -335,61 +335,53 @@ contains
       type(articulated_type), intent(in) :: forest
       !> Right-hand sides of the bodies in the layout of the rates, and of the constraints; then the unknowns (nw + nc)
       real(wp), intent(inout) :: x(*)
-      real(wp) :: none(1)
-      integer :: k, c, order
-      order = forest%order
-      none = 0.0_wp
+      integer :: k
       do k = size(forest%places), 1, -1
-         associate (place => forest%places(k), z => forest%nw + forest%places(k)%row)
-            c = place%carrier
-            if (c > 0) then
-               call gather(order, 3 + place%n, 3 + forest%places(c)%n, place%sign, forest%block(:, :, k), forest%rows(:, :, k), &
-                  & forest%compliance(:, :, k), forest%carried(:, :, k), x(place%w), x(z), x(forest%places(c)%w))
-            else if (c == 0) then
-               call gather(order, 3 + place%n, 0, place%sign, forest%block(:, :, k), forest%rows(:, :, k), &
-                  & forest%compliance(:, :, k), forest%carried(:, :, k), x(place%w), x(z), none)
-            else
-               call multiply(order, 3 + place%n, forest%block(:, :, k), x(place%w))
-            end if
-         end associate
+         call gather(forest, k, x)
       end do
       do k = 1, size(forest%places)
-         associate (place => forest%places(k), z => forest%nw + forest%places(k)%row)
-            c = place%carrier
-            if (c > 0) then
-               call spread_out(order, 3 + place%n, 3 + forest%places(c)%n, place%sign, forest%reaction(:, :, k), &
-                  & forest%carrying(:, :, k), x(forest%places(c)%w), x(z), x(place%w))
-            else if (c == 0) then
-               call spread_out(order, 3 + place%n, 0, place%sign, forest%reaction(:, :, k), forest%carrying(:, :, k), &
-                  & none, x(z), x(place%w))
-            end if
-         end associate
+         if (forest%places(k)%carrier >= 0) call spread_out(forest, k, x)
       end do
    end subroutine forest_solve
 
    !> On the way to the roots: y = A^-1 f, z = S^-1 (L y - g), and H^T z for the carrier.
-   pure subroutine gather(order, m, carriers, sign, block, rows, compliance, carried, y, z, f)
+   pure subroutine gather(forest, k, x)
+      type(articulated_type), intent(in) :: forest
+      integer, intent(in) :: k
+      real(wp), intent(inout) :: x(*)
+      real(wp) :: none(1)
+      associate (place => forest%places(k), c => forest%places(k)%carrier, m => 3 + forest%places(k)%n, &
+            & z => forest%nw + forest%places(k)%row, order => forest%order)
+         none = 0.0_wp
+         if (c < 0) then
+            call multiply(order, m, forest%block(:, :, k), x(place%w))
+         else if (c == 0) then
+            call gather_order(order, m, 0, place%sign, forest%block(:, :, k), forest%rows(:, :, k), forest%compliance(:, :, k), &
+               & forest%carried(:, :, k), x(place%w), x(z), none)
+         else
+            associate (carriers => 3 + forest%places(c)%n, f => forest%places(c)%w)
+               select case (merge(order, 0, m == order .and. carriers == order))
+               case (3)
+                  call gather_three(place%sign, forest%block(:, :, k), forest%rows(:, :, k), forest%compliance(:, :, k), &
+                     & forest%carried(:, :, k), x(place%w), x(z), x(f))
+               case (6)
+                  call gather_six(place%sign, forest%block(:, :, k), forest%rows(:, :, k), forest%compliance(:, :, k), &
+                     & forest%carried(:, :, k), x(place%w), x(z), x(f))
+               case default
+                  call gather_order(order, m, carriers, place%sign, forest%block(:, :, k), forest%rows(:, :, k), &
+                     & forest%compliance(:, :, k), forest%carried(:, :, k), x(place%w), x(z), x(f))
+               end select
+            end associate
+         end if
+      end associate
+   end subroutine gather
+
+   !> The same for any order.
+   pure subroutine gather_order(order, m, carriers, sign, block, rows, compliance, carried, y, z, f)
       !> Leading dimension; numbers of the rates of the body and of its carrier
       integer, intent(in) :: order, m, carriers
       real(wp), intent(in) :: sign, block(order, order), rows(order, 2), compliance(2, 2), carried(order, 2)
-      !> f, then y; g, then z
-      real(wp), intent(inout) :: y(m), z(2)
-      !> Right-hand side of the carrier
-      real(wp), intent(inout) :: f(*)
-      if (m == order .and. carriers == order) then
-         select case (order)
-         case (3); call gather_three(sign, block, rows, compliance, carried, y, z, f)
-         case (6); call gather_six(sign, block, rows, compliance, carried, y, z, f)
-         case default; call gather_order(order, m, carriers, sign, block, rows, compliance, carried, y, z, f)
-         end select
-      else
-         call gather_order(order, m, carriers, sign, block, rows, compliance, carried, y, z, f)
-      end if
-   end subroutine gather
-
-   pure subroutine gather_order(order, m, carriers, sign, block, rows, compliance, carried, y, z, f)
-      integer, intent(in) :: order, m, carriers
-      real(wp), intent(in) :: sign, block(order, order), rows(order, 2), compliance(2, 2), carried(order, 2)
+      !> f, then y; g, then z; right-hand side of the carrier
       real(wp), intent(inout) :: y(m), z(2), f(*)
       real(wp) :: a, b, first, second
       integer :: i
@@ -430,27 +422,38 @@ contains
    end subroutine multiply
 
    !> On the way back: l = z - S^-1 N x of the carrier, x = y - A^-1 G^T l.
-   pure subroutine spread_out(order, m, carriers, sign, reaction, carrying, above, z, y)
-      integer, intent(in) :: order, m, carriers
-      real(wp), intent(in) :: sign, reaction(order, 2), carrying(order, 2)
-      !> x of the carrier
-      real(wp), intent(in) :: above(*)
-      !> z, then the multipliers in their own sign; y, then x
-      real(wp), intent(inout) :: z(2), y(m)
-      if (m == order .and. carriers == order) then
-         select case (order)
-         case (3); call spread_three(sign, reaction, carrying, above, z, y)
-         case (6); call spread_six(sign, reaction, carrying, above, z, y)
-         case default; call spread_order(order, m, carriers, sign, reaction, carrying, above, z, y)
-         end select
-      else
-         call spread_order(order, m, carriers, sign, reaction, carrying, above, z, y)
-      end if
+   pure subroutine spread_out(forest, k, x)
+      type(articulated_type), intent(in) :: forest
+      integer, intent(in) :: k
+      real(wp), intent(inout) :: x(*)
+      real(wp) :: none(1)
+      associate (place => forest%places(k), c => forest%places(k)%carrier, m => 3 + forest%places(k)%n, &
+            & z => forest%nw + forest%places(k)%row, order => forest%order)
+         none = 0.0_wp
+         if (c == 0) then
+            call spread_order(order, m, 0, place%sign, forest%reaction(:, :, k), forest%carrying(:, :, k), none, x(z), x(place%w))
+         else
+            associate (carriers => 3 + forest%places(c)%n, above => forest%places(c)%w)
+               select case (merge(order, 0, m == order .and. carriers == order))
+               case (3)
+                  call spread_three(place%sign, forest%reaction(:, :, k), forest%carrying(:, :, k), x(above), x(z), x(place%w))
+               case (6)
+                  call spread_six(place%sign, forest%reaction(:, :, k), forest%carrying(:, :, k), x(above), x(z), x(place%w))
+               case default
+                  call spread_order(order, m, carriers, place%sign, forest%reaction(:, :, k), forest%carrying(:, :, k), x(above), &
+                     & x(z), x(place%w))
+               end select
+            end associate
+         end if
+      end associate
    end subroutine spread_out
 
+   !> The same for any order.
    pure subroutine spread_order(order, m, carriers, sign, reaction, carrying, above, z, y)
       integer, intent(in) :: order, m, carriers
+      !> x of the carrier
       real(wp), intent(in) :: sign, reaction(order, 2), carrying(order, 2), above(*)
+      !> z, then the multipliers in their own sign; y, then x
       real(wp), intent(inout) :: z(2), y(m)
       real(wp) :: first, second
       integer :: i

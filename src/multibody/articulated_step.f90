@@ -181,16 +181,16 @@ contains
       associate (at => forest%places(k)%w, last => forest%places(k)%w + 2 + n, first => forest%places(k)%q + 4, &
             & body => model%bodies(forest%places(k)%model)%reduced, gravity => model%gravity, h => step%h, &
             & block => forest%block(:, :, k))
-         associate (u0 => step%q(first - 2:first - 1), u1 => step%new_q(first - 2:first - 1), &
-               & eta => step%new_q(first:first + n - 1))
+         associate (u0 => step%q(first - 2:first - 1), u1 => step%new_q(first - 2:first - 1))
             slope = velocity_slope(h, u0, y(at:at + 2))
-            call body_mass(body, [1.0_wp, 0.0_wp], eta, frame, coupling(:n, :))
-            call momentum_tangent(body, eta, step%new_b(at:last), frame, coupling(:n, :), slope, h, block)
+            call body_mass(body, [1.0_wp, 0.0_wp], step%new_q(first:first + n - 1), frame, coupling(:n, :))
+            call momentum_tangent(body, step%new_q(first:first + n - 1), step%new_b(at:last), frame, coupling(:n, :), slope, &
+               & h, block)
             call balance_tangent(h, u0, u1, y(at:last), step%p(at:at + 1), step%new_p(at:at + 1), block)
             between(:n) = step%q(first:first + n - 1) + 0.5_wp*y(at + 3:last)
             call pull_tangent(body, between(:n), step%b(at:last), step%new_b(at:last), slope, h, block)
             if (allocated(forest%masses)) forest%masses(:, :, k) = block
-            arm = along(centre_moment(body, eta), u1)
+            arm = along(centre_moment(body, step%new_q(first:first + n - 1)), u1)
             block(3, 3) = block(3, 3) + 0.5_wp*dot_product(arm, gravity)/(1 + 0.25_wp*y(at + 2)**2)
             if (n == 0) return
             do j = 1, n

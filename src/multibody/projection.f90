@@ -4,7 +4,7 @@
 module limber_multibody_projection
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
-   use limber_model_model, only: point_type, ground
+   use limber_model_model, only: ground
    use limber_multibody_plane_vectors, only: along, cross
    use limber_multibody_assembly_newton, only: close_positions
    use limber_multibody_drivers, only: driven_angle_type
@@ -13,7 +13,7 @@ module limber_multibody_projection
       & velocity_residual, velocity_gaps
    use limber_multibody_kinematics, only: place_drives, place_frames
    use limber_multibody_layout, only: normalise_frames
-   use limber_multibody_point_motion, only: point_position, point_velocity
+   use limber_multibody_point_motion, only: point_velocity
    use limber_multibody_multiplier_system, only: update_jacobians
    use limber_multibody_multiplier_solution, only: solve_multiplier_system, solve_gaps
    use limber_multibody_system, only: system_type, workspace_type
@@ -138,61 +138,106 @@ contains
       real(wp), intent(in) :: t
       !> Coordinates (nq)
       real(wp), contiguous, intent(inout) :: q(:)
-      integer :: i, j, k, first
+      integer :: k
       call place_drives(system%model, t, work%kinematics)
-      associate (tree => system%tree)
-         do k = 1, size(tree%order)
-            i = tree%order(k)
-            first = system%layout%q(i)
-            if (tree%joint(i) > 0) call hang_origin(system, work, i, q)
-            if (tree%driver(i) > 0) call head_frame(tree%driver(i))
-            if (tree%grip(i) > 0) then
-               do j = 1, size(tree%holders, 1)
-                  if (tree%holders(j, i) == 0) exit
-                  call head_frame(tree%holders(j, i))
-               end do
-            end if
-            if (tree%axes(1, i) > 0) then
-               do j = 1, 2
-                  q(first + j - 1) = work%kinematics%drives(tree%axes(j, i))%value
-               end do
-            end if
-         end do
-      end associate
-
-   contains
-
-      !> To where a driver turns it, if the constraint is one.
-      subroutine head_frame(constraint)
-         integer, intent(in) :: constraint
-         select type (item => system%constraints(constraint)%item)
-         type is (driven_angle_type)
-            q(first + 2:first + 3) = work%kinematics%drives(item%drive)%heading
-         end select
-      end subroutine head_frame
-
+      do k = 1, size(system%tree%order)
+         call place_body(system, work, system%tree%order(k), .true., q)
+      end do
    end subroutine place_tree
 
-   !> Puts the origin of a frame where it hangs: at a point of a rigid body, or of the ground.
-   pure subroutine hang_origin(system, work, body, q)
+   !> Coordinates and velocities that follow from the time alone: of frames that are driven, and origins of those that hang on them.
+   !> What hangs on the ground is there from the start.
+   subroutine place_known(system, work, t, q, v)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: t
+      !> Coordinates and velocities (nq)
+      real(wp), contiguous, intent(inout) :: q(:), v(:)
+      integer :: k
+      call place_drives(system%model, t, work%kinematics)
+      associate (tree => system%tree)
+         do k = 1, size(tree%timed)
+            call place_body(system, work, tree%timed(k), tree%given(1, tree%timed(k)), q, v)
+         end do
+      end associate
+   end subroutine place_known
+
+   !> Puts one frame where a joint or drivers place it, behind the frame that carries it.
+   pure subroutine place_body(system, work, body, origin, q, v)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(in) :: work
+      !> Its index; whether its origin is placed, else only its angle
+      integer, intent(in) :: body
+      logical, intent(in) :: origin
+      !> Coordinates (nq), and velocities if they are placed too (nq)
+      real(wp), contiguous, intent(inout) :: q(:)
+      real(wp), contiguous, intent(inout), optional :: v(:)
+      integer :: j, first
+      first = system%layout%q(body)
+      associate (tree => system%tree)
+         if (origin .and. tree%joint(body) > 0) then
+            call hang_origin(system, body, q, v)
+         else if (origin .and. tree%axes(1, body) > 0) then
+            do j = 1, 2
+               associate (drive => work%kinematics%drives(tree%axes(j, body)))
+                  q(first + j - 1) = drive%value
+                  if (present(v)) v(first + j - 1) = drive%rate
+               end associate
+            end do
+         end if
+         if (tree%driver(body) > 0) call turn_frame(system, work, tree%driver(body), first, q, v)
+         do j = 1, size(tree%holders, 1)
+            if (tree%holders(j, body) == 0) exit
+            call turn_frame(system, work, tree%holders(j, body), first, q, v)
+         end do
+      end associate
+   end subroutine place_body
+
+   !> Puts the origin of a frame where it hangs: at a point of a rigid body, or of the ground.
+   pure subroutine hang_origin(system, body, q, v)
+      type(system_type), intent(in) :: system
       !> Index of the body
       integer, intent(in) :: body
       real(wp), contiguous, intent(inout) :: q(:)
-      real(wp) :: p(2)
+      real(wp), contiguous, intent(inout), optional :: v(:)
+      real(wp) :: p(2), rate(2)
       integer :: to, from
       to = system%layout%q(body)
-      p = work%kinematics%markers(system%tree%marker(body))%p0
-      if (system%tree%carrier(body) /= ground) then
-         from = system%layout%q(system%tree%carrier(body))
-         p = along(p, q(from + 2:from + 3))
-         p(1) = q(from) + p(1)
-         p(2) = q(from + 1) + p(2)
-      end if
-      q(to) = p(1)
-      q(to + 1) = p(2)
+      associate (point => system%model%points(system%marker_points(system%tree%marker(body))))
+         p = point%p0
+         if (system%tree%carrier(body) /= ground) then
+            from = system%layout%q(system%tree%carrier(body))
+            p = along(p, q(from + 2:from + 3))
+            p(1) = q(from) + p(1)
+            p(2) = q(from + 1) + p(2)
+         end if
+         q(to) = p(1)
+         q(to + 1) = p(2)
+         if (.not. present(v)) return
+         rate = 0.0_wp
+         if (point%body /= ground) rate = point_velocity(system%model, system%layout, point, q, v)
+         v(to:to + 1) = rate
+      end associate
    end subroutine hang_origin
+
+   !> Turns a frame as a driver does, if the constraint is one.
+   pure subroutine turn_frame(system, work, constraint, first, q, v)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(in) :: work
+      !> Index of the constraint, first index of the frame's coordinates
+      integer, intent(in) :: constraint, first
+      real(wp), contiguous, intent(inout) :: q(:)
+      real(wp), contiguous, intent(inout), optional :: v(:)
+      select type (item => system%constraints(constraint)%item)
+      type is (driven_angle_type)
+         associate (drive => work%kinematics%drives(item%drive))
+            q(first + 2:first + 3) = drive%heading
+            if (.not. present(v)) return
+            v(first + 2) = -drive%rate*drive%heading(2)
+            v(first + 3) = drive%rate*drive%heading(1)
+         end associate
+      end select
+   end subroutine turn_frame
 
    !> Indices of the coordinates that `place_known` does not give.
    subroutine list_unplaced(system, list)
@@ -209,75 +254,6 @@ contains
       allocate (list(count(.not. placed)))
       list = pack([(j, j=1, size(placed))], .not. placed)
    end subroutine list_unplaced
-
-   !> Coordinates and velocities that follow from the time alone: of frames that are driven, and origins of those that hang on them.
-   !> What hangs on the ground is there from the start.
-   subroutine place_known(system, work, t, q, v)
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(inout) :: work
-      real(wp), intent(in) :: t
-      !> Coordinates and velocities (nq)
-      real(wp), intent(inout) :: q(:), v(:)
-      integer :: i, j, k, first
-      call place_drives(system%model, t, work%kinematics)
-      associate (tree => system%tree)
-         do k = 1, size(tree%timed)
-            i = tree%timed(k)
-            first = system%layout%q(i)
-            if (tree%given(1, i)) then
-               if (tree%joint(i) > 0) then
-                  call follow_carrier(system, system%model%points(system%marker_points(tree%marker(i))), first, q, v)
-               else
-                  do j = 1, 2
-                     q(first + j - 1) = work%kinematics%drives(tree%axes(j, i))%value
-                     v(first + j - 1) = work%kinematics%drives(tree%axes(j, i))%rate
-                  end do
-               end if
-            end if
-            if (.not. tree%given(2, i)) cycle
-            if (tree%driver(i) > 0) call turn_frame(system, work, tree%driver(i), first, q, v)
-            do j = 1, size(tree%holders, 1)
-               if (tree%holders(j, i) == 0) exit
-               call turn_frame(system, work, tree%holders(j, i), first, q, v)
-            end do
-         end do
-      end associate
-   end subroutine place_known
-
-   !> Origin of a frame at a point of another body, or of the ground.
-   pure subroutine follow_carrier(system, point, first, q, v)
-      type(system_type), intent(in) :: system
-      type(point_type), intent(in) :: point
-      !> First index of the frame's coordinates
-      integer, intent(in) :: first
-      real(wp), intent(inout) :: q(:), v(:)
-      real(wp) :: place(2), rate(2)
-      if (point%body == ground) then
-         q(first:first + 1) = point%p0
-         v(first:first + 1) = 0.0_wp
-         return
-      end if
-      place = point_position(system%model, system%layout, point, q)
-      rate = point_velocity(system%model, system%layout, point, q, v)
-      q(first:first + 1) = place
-      v(first:first + 1) = rate
-   end subroutine follow_carrier
-
-   !> A frame as a driver turns it, if the constraint is one.
-   pure subroutine turn_frame(system, work, constraint, first, q, v)
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(in) :: work
-      integer, intent(in) :: constraint, first
-      real(wp), intent(inout) :: q(:), v(:)
-      select type (item => system%constraints(constraint)%item)
-      type is (driven_angle_type)
-         associate (drive => work%kinematics%drives(item%drive))
-            q(first + 2:first + 3) = drive%heading
-            v(first + 2) = -drive%rate*drive%heading(2)
-            v(first + 3) = drive%rate*drive%heading(1)
-         end associate
-      end select
-   end subroutine turn_frame
 
    !> Moves a state that is near the constraints onto them, at position and at velocity level.
    subroutine settle(system, work, t, q, v, change, exact, residual, error)

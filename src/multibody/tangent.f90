@@ -10,6 +10,7 @@ module limber_multibody_tangent
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
    use limber_model_model, only: ground
+   use limber_multibody_compliant_constraints, only: refine
    use limber_multibody_sparse_matrix, only: sparse_type
    use limber_multibody_system, only: system_type, mark_block, block_place
    implicit none
@@ -329,17 +330,8 @@ contains
       integer, intent(in) :: nw
       !> Right-hand side, then solution; scratch (nw + nc)
       real(wp), contiguous, intent(inout) :: solution(:), correction(:)
-      integer, parameter :: rounds = 2
-      integer :: round
       call tangent%matrix%solve(solution)
-      if (size(tangent%slack) == 0) return
-      correction(nw + 1:) = solution(nw + 1:)
-      do round = 1, rounds
-         correction(:nw) = 0.0_wp
-         correction(nw + 1:) = -tangent%softness*tangent%slack*correction(nw + 1:)
-         call tangent%matrix%solve(correction)
-         solution = solution + correction
-      end do
+      if (size(tangent%slack) > 0) call refine(tangent%matrix, nw, tangent%softness*tangent%slack, solution, correction)
    end subroutine solve_refined
 
    !> Softness of redundant constraints beside the stiffness instead of the mass: the ratio of the two.

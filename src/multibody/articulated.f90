@@ -199,8 +199,8 @@ contains
       same = all(abs(a%cubic - b%cubic) <= 0.0_wp)
    end function same_body
 
-   !> Inverse of the block of a place, and what its pin yields to its carrier; blocks of all that hangs on it are there: eqs. (4.24),
-   !> (4.25).
+   !> Inverse of the block of a place, and what its pin yields to its carrier; blocks of all that hangs on it are there:
+   !> eqs. (4.24), (4.25).
    pure subroutine eliminate(forest, k, singular)
       type(articulated_type), intent(inout) :: forest
       integer, intent(in) :: k

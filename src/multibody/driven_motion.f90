@@ -272,7 +272,8 @@ contains
       end do
    end subroutine balance_deflections
 
-   !> Newton's step to the balance of all forces with accelerations held%a into `solution`: increments and changes of the multipliers.
+   !> Newton's step to the balance of all forces with accelerations held%a into `solution`: increments, and changes of the
+   !> multipliers.
    subroutine step_to_balance(system, work, held, t, q, v, lambda, size_of, done)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work

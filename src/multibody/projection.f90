@@ -47,16 +47,16 @@ contains
       real(wp), intent(out) :: residual
       type(error_type), allocatable, intent(out) :: error
       real(wp) :: before
-      call project_position(system, work, t, q, change, aim, before, residual)
+      call project_position(system, work, t, q, change, .false., most_rounds, aim, before, residual, error)
       ! One that is no number is beyond it, too
       if (.not. residual <= limit) return
       call linearise_placed(system, work, t, q, error)
       if (.not. allocated(error)) call project_velocity(system, work, v, change)
    end subroutine project_state
 
-   !> Moves q onto the constraints, least in the mass norm, by Newton steps with the factors at hand; the frames'
-   !> vectors are brought to unit length. Leaves the kinematics placed at the new q.
-   subroutine project_position(system, work, t, q, change, tolerance, before, residual)
+   !> Moves q onto the constraints, least in the mass norm, by Newton steps; the frames' vectors are brought to unit length. Leaves
+   !> the kinematics placed at the new q.
+   subroutine project_position(system, work, t, q, change, fresh, most, tolerance, before, residual, error)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       real(wp), intent(in) :: t
@@ -64,38 +64,22 @@ contains
       real(wp), contiguous, intent(inout) :: q(:)
       !> Scratch (nq)
       real(wp), contiguous, intent(inout) :: change(:)
+      !> Whether the system is linearised at the first place; else the factors at hand serve, which are of a state near by
+      logical, intent(in) :: fresh
+      !> Most steps
+      integer, intent(in) :: most
       !> Residual relative to the constraints' scales that is small enough
       real(wp), intent(in) :: tolerance
       !> Residual at first, with all frames of the tree in their places, and residual reached
       real(wp), intent(out) :: before, residual
-      call put_together(system, work, t, q)
-      call project_placed(system, work, t, q, change, tolerance, most_rounds, before, residual)
-   end subroutine project_position
-
-   !> Frames of unit length, all that follows, hangs or is driven in its place, and the kinematics there.
-   subroutine put_together(system, work, t, q)
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(inout) :: work
-      real(wp), intent(in) :: t
-      !> Coordinates (nq)
-      real(wp), contiguous, intent(inout) :: q(:)
-      call normalise_frames(system%layout, q)
-      call place_tree(system, work, t, q)
-      call place_frames(system%model, system%layout, t, q, work%kinematics)
-   end subroutine put_together
-
-   !> The rounds of `project_position`; kinematics are placed, and what hangs or is driven is in its place.
-   subroutine project_placed(system, work, t, q, change, tolerance, most, before, residual)
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(inout) :: work
-      real(wp), intent(in) :: t
-      real(wp), contiguous, intent(inout) :: q(:), change(:)
-      real(wp), intent(in) :: tolerance
-      !> Most rounds
-      integer, intent(in) :: most
-      real(wp), intent(out) :: before, residual
+      type(error_type), allocatable, intent(out) :: error
       real(wp) :: last
       integer :: round, i
+      call put_together(system, work, t, q)
+      before = 0.0_wp
+      residual = 0.0_wp
+      if (fresh) call linearise_placed(system, work, t, q, error)
+      if (allocated(error)) return
       residual = open_residual(system, work)
       before = residual
       do round = 1, most
@@ -114,7 +98,19 @@ contains
          call go_back(system, work, t, q, change, residual)
          return
       end do
-   end subroutine project_placed
+   end subroutine project_position
+
+   !> Frames of unit length, all that follows, hangs or is driven in its place, and the kinematics there.
+   subroutine put_together(system, work, t, q)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: t
+      !> Coordinates (nq)
+      real(wp), contiguous, intent(inout) :: q(:)
+      call normalise_frames(system%layout, q)
+      call place_tree(system, work, t, q)
+      call place_frames(system%model, system%layout, t, q, work%kinematics)
+   end subroutine put_together
 
    !> Takes a way back on which the factors have led astray.
    subroutine go_back(system, work, t, q, change, residual)
@@ -299,11 +295,8 @@ contains
       !> Residual before, zero if nothing had to be moved but what hangs or is driven; and residual reached
       real(wp), intent(out) :: before, residual
       type(error_type), allocatable, intent(out) :: error
-      call normalise_frames(system%layout, q)
-      call place_tree(system, work, t, q)
-      call linearise(system, work, t, q, error)
+      call project_position(system, work, t, q, change, .true., most_rounds, least_residual, before, residual, error)
       if (allocated(error)) return
-      call project_placed(system, work, t, q, change, least_residual, most_rounds, before, residual)
       if (before <= least_residual) before = 0.0_wp
       if (residual > harmless) call settle_plainly(system, work, t, q, residual, error)
    end subroutine settle_position
@@ -325,9 +318,8 @@ contains
       !> Rounds that cost less than factors
       integer, parameter :: few = 2
       real(wp) :: before
-      call put_together(system, work, t, q)
-      call project_placed(system, work, t, q, change, max(allowed, least_residual), merge(few, 0, allowed > 0.0_wp), before, &
-         & residual)
+      call project_position(system, work, t, q, change, .false., merge(few, 0, allowed > 0.0_wp), max(allowed, least_residual), &
+         & before, residual, error)
       if (residual > max(allowed, least_residual)) call settle_position(system, work, t, q, change, before, residual, error)
    end subroutine settle_place
 

@@ -84,11 +84,11 @@ contains
       end do
    end subroutine test_forest
 
-   !> Loops, other joints, loads, bodies that are no rigid ones or have no inertia.
+   !> Loops, other joints, loads, bodies that are no rigid ones or have no inertia, and scenes where nothing is to be eliminated.
    subroutine test_refused()
       type(model_type) :: model
       integer :: i, points(2)
-      do i = 1, 6
+      do i = 1, 7
          call forest(model)
          select case (i)
          case (1); call join(model, 'loop', joint_revolute, 4, [0.3_wp, 0.1_wp], 13, nil)
@@ -101,6 +101,7 @@ contains
          case (6)
             points(1) = add_rigid(model, 'wire', 1.0_wp, 0.0_wp, nil, nil, 0.0_wp)
             call join(model, 'bead', joint_revolute, 4, [1.0_wp, 0.0_wp], points(1), nil)
+         case (7); model%assembly%elimination = .false.
          end select
          call check(.not. usable(model), 'what is no open tree of bodies: '//as_text(i))
       end do

@@ -14,7 +14,7 @@ module limber_multibody_assembly
    use limber_multibody_constraint_matrix, only: constraint_matrix_type, new_constraint_matrix, hold_columns, given_columns
    use limber_multibody_equations_of_motion, only: position_residual, velocity_residual
    use limber_multibody_kinematics, only: place_frames, move_frames
-   use limber_multibody_layout, only: rates_of
+   use limber_multibody_layout, only: rates_of, velocities_of
    use limber_multibody_multiplier_system, only: place_constraints
    use limber_multibody_constraint_rank, only: assembly_type, check_rank, check_branch, stretch_remedy
    use limber_multibody_redundant_constraints, only: constraint_names
@@ -182,14 +182,9 @@ contains
       !> Coordinates before and after (nq)
       real(wp), intent(in) :: before(:), q(:)
       real(wp), intent(inout) :: v(:)
-      real(wp) :: omega
-      integer :: i, first
-      do i = 1, size(system%layout%q)
-         if (.not. system%layout%framed(i)) cycle
-         first = system%layout%q(i) + 2
-         omega = cross(before(first:first + 1), v(first:first + 1))
-         v(first:first + 1) = omega*turn(q(first:first + 1))
-      end do
+      real(wp) :: w(system%layout%nw)
+      call rates_of(system%layout, before, v, w)
+      call velocities_of(system%layout, q, w, v)
    end subroutine turn_rates
 
    !> Coordinates and velocities as the model guesses them; driven frames already point where they are driven.

@@ -18,6 +18,7 @@ module limber_scene_sampling
    use limber_multibody_driven_motion, only: driven_motion_type, new_held, held_position, balance_passed
    use limber_multibody_kinematics, only: place_frames
    use limber_monitor_run_monitor, only: find_weak
+   use limber_multibody_layout, only: normalise_frames
    use limber_multibody_projection, only: harmless, settle, settle_place, settle_position
    use limber_multibody_system, only: system_type, workspace_type
    implicit none

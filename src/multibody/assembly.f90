@@ -14,7 +14,7 @@ module limber_multibody_assembly
    use limber_multibody_constraint_matrix, only: constraint_matrix_type, new_constraint_matrix, hold_columns, given_columns
    use limber_multibody_equations_of_motion, only: position_residual, velocity_residual
    use limber_multibody_kinematics, only: place_frames, move_frames
-   use limber_multibody_layout, only: rates_of, velocities_of
+   use limber_multibody_layout, only: guess_place, rates_of, velocities_of
    use limber_multibody_multiplier_system, only: place_constraints
    use limber_multibody_constraint_rank, only: assembly_type, check_rank, check_branch, stretch_remedy
    use limber_multibody_redundant_constraints, only: constraint_names
@@ -195,15 +195,13 @@ contains
       real(wp), intent(out) :: q(:), v(:)
       type(jet_type) :: theta
       integer :: i, first
-      q = 0.0_wp
+      call guess_place(system%model, system%layout, q)
       v = 0.0_wp
       do i = 1, size(system%model%bodies)
          associate (body => system%model%bodies(i))
             first = system%layout%q(i)
-            q(first:first + 1) = body%position
             v(first:first + 1) = body%velocity
             if (.not. system%layout%framed(i)) cycle
-            q(first + 2:first + 3) = [cos(body%angle), sin(body%angle)]
             v(first + 2:first + 3) = body%spin*[-sin(body%angle), cos(body%angle)]
          end associate
       end do

@@ -9,6 +9,7 @@ module limber_multibody_known_bodies
    use limber_multibody_point_joints, only: revolute_type, point_on_line_type
    use limber_multibody_function_constraints, only: linear_type
    use limber_multibody_kinematics, only: kinematics_type, new_kinematics, place_frames
+   use limber_multibody_layout, only: guess_place
    use limber_multibody_marker_registry, only: registry_type
    use limber_multibody_spanning_tree, only: spanning_tree_type
    implicit none
@@ -37,6 +38,7 @@ contains
       type(known_bodies_type), intent(out) :: holding
       type(kinematics_type) :: kinematics
       type(jacobian_type) :: first, second
+      real(wp) :: q(registry%layout%nq)
       integer :: c
       allocate (holding%suits(size(constraints)))
       do c = 1, size(constraints)
@@ -46,7 +48,8 @@ contains
       if (.not. holding%useful) return
       allocate (holding%rows(3, 3, 2, size(constraints)), source=0.0_wp)
       kinematics = new_kinematics(registry%model, registry%marker_points, registry%angles, registry%bends)
-      call guess_place(registry, kinematics)
+      call guess_place(registry%model, registry%layout, q)
+      call place_frames(registry%model, registry%layout, registry%model%dynamics%start, q, kinematics)
       do c = 1, size(constraints)
          if (.not. holding%suits(c)) cycle
          associate (item => constraints(c)%item)
@@ -74,22 +77,6 @@ contains
       end function coordinates
 
    end subroutine new_holding
-
-   !> Everything in the first guess, undeformed.
-   subroutine guess_place(registry, kinematics)
-      class(registry_type), intent(in) :: registry
-      type(kinematics_type), intent(inout) :: kinematics
-      real(wp), allocatable :: q(:)
-      integer :: i
-      allocate (q(registry%layout%nq), source=0.0_wp)
-      do i = 1, size(registry%layout%q)
-         associate (body => registry%model%bodies(i), first => registry%layout%q(i))
-            q(first:first + 1) = body%position
-            if (registry%layout%framed(i)) q(first + 2:first + 3) = [cos(body%angle), sin(body%angle)]
-         end associate
-      end do
-      call place_frames(registry%model, registry%layout, registry%model%dynamics%start, q, kinematics)
-   end subroutine guess_place
 
    !> Whether a constraint can be solved for the motion of one of its bodies: its rows on a body are those of a frame, whatever
    !> the deflection, and lose rank only where the whole scene does.

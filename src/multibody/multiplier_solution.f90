@@ -336,10 +336,10 @@ contains
                call find_left(size(body%rows), body%rows, body%mass, body%frame_rows, body%condensed, body%acceleration, &
                   & work%solution, left)
             end associate
-            j = tree%first(i)
+            j = tree%span%first(i)
             do while (j > 0)
-               call take_borne(system, work, j, left)
-               j = tree%next(j)
+               call take_borne(system, work, i, j, left)
+               j = tree%span%next(j)
             end do
             if (tree%grip(i) > 0) then
                call recover_held(system, work, i, left)
@@ -401,15 +401,16 @@ contains
       end do
    end subroutine recover_held
 
-   !> Takes from what is left of a body's forces those of a constraint that places another one on it.
-   pure subroutine take_borne(system, work, number, left)
+   !> Takes from what is left of a body's forces those of a constraint, if it places another body on this one.
+   pure subroutine take_borne(system, work, body, number, left)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(in) :: work
-      !> Of the constraint's side, 2 (c - 1) + s
-      integer, intent(in) :: number
+      !> The body, and the side of the constraint that it is: 2 (c - 1) + s
+      integer, intent(in) :: body, number
       real(wp), intent(inout) :: left(3)
       integer :: row, c
       c = (number + 1)/2
+      if (system%tree%body(c) == 0 .or. system%tree%body(c) == body) return
       do row = 1, system%constraints(c)%item%rows
          left = left - work%jacobians(number - 2*(c - 1), c)%z(row, :)*work%lambda(system%constraints(c)%item%first + row - 1)
       end do

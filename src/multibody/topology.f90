@@ -50,9 +50,6 @@ module limber_multibody_topology
       logical, allocatable :: plain(:)
       !> Number of unknowns on which the frame's accelerations depend, and their indices (most, bodies)
       integer, allocatable :: count(:), columns(:, :)
-      !> First side of a constraint that places another body, at each body that bears it, and the next there: number 2 (c - 1) + s
-      !> is side s of constraint c; 0: none (bodies; 2 constraints)
-      integer, allocatable :: first(:), next(:)
       !> Body that a constraint places, holds or whose angle it gives; 0: none (constraints)
       integer, allocatable :: body(:)
       !> Constraints that frames in their places do not keep by themselves: projections close them
@@ -134,7 +131,7 @@ contains
          call release_driven(layout, constraints, size(registry%model%joints), tree)
       end associate
       call find_given(constraints, tree)
-      call find_bearers(constraints, size(registry%model%joints), tree)
+      call find_placed(size(registry%model%joints), tree)
       call find_open(size(constraints), tree)
       call number_rows(constraints, tree)
    end function new_tree
@@ -145,7 +142,7 @@ contains
       type(topology_type), intent(inout) :: tree
       allocate (tree%order(bodies), tree%joint(bodies), tree%driver(bodies), tree%side(bodies), tree%carrier(bodies), &
          & tree%marker(bodies), tree%plain(bodies), tree%count(bodies), tree%columns(most, bodies), tree%row(nc), &
-         & tree%first(bodies), tree%next(2*constraints), tree%body(constraints), tree%grip(bodies), tree%holders(3, bodies), &
+         & tree%body(constraints), tree%grip(bodies), tree%holders(3, bodies), &
          & tree%axes(2, bodies), tree%axis_rows(2, bodies), tree%given(2, bodies))
       tree%given = .false.
       tree%order = 0
@@ -480,41 +477,20 @@ contains
       tree%timed = pack(tree%order, changes)
    end subroutine find_given
 
-   !> What each constraint places, holds or drives, and what each body bears of it.
-   subroutine find_bearers(constraints, joints, tree)
-      type(constraint_item_type), intent(in) :: constraints(:)
+   !> What each constraint places, holds or drives.
+   subroutine find_placed(joints, tree)
       !> Number of joints, behind which the drivers stand among the constraints
       integer, intent(in) :: joints
       type(topology_type), intent(inout) :: tree
-      integer :: k, j, body
-      tree%first = 0
-      tree%next = 0
+      integer :: body
       tree%body = 0
-      do k = size(tree%order), 1, -1
-         body = tree%order(k)
+      do body = 1, size(tree%order)
          if (tree%driver(body) > 0) tree%body(tree%driver(body)) = body
-         if (tree%joint(body) > 0) call add(tree%joint(body), tree%side(body))
+         if (tree%joint(body) > 0) tree%body(tree%joint(body)) = body
          if (tree%axis_rows(1, body) > 0) tree%body(joints + tree%axes(:, body)) = body
-         do j = 1, count(tree%holders(:, body) > 0)
-            call add(tree%holders(j, body), merge(1, 2, constraints(tree%holders(j, body))%item%bodies(1) == body))
-         end do
+         tree%body(pack(tree%holders(:, body), tree%holders(:, body) > 0)) = body
       end do
-
-   contains
-
-      !> A constraint that places the body by one of its sides.
-      subroutine add(constraint, side)
-         integer, intent(in) :: constraint, side
-         integer :: bearer, number
-         tree%body(constraint) = body
-         bearer = constraints(constraint)%item%bodies(3 - side)
-         if (bearer == ground) return
-         number = 2*(constraint - 1) + 3 - side
-         tree%next(number) = tree%first(bearer)
-         tree%first(bearer) = number
-      end subroutine add
-
-   end subroutine find_bearers
+   end subroutine find_placed
 
    !> Constraints that are left where all frames are in their places: those that place none, and those of bodies that are held.
    subroutine find_open(constraints, tree)

@@ -137,6 +137,7 @@ contains
       integer :: k
       call place_drives(system%model, t, work%kinematics)
       do k = 1, size(system%tree%order)
+         if (system%tree%plain(system%tree%order(k))) cycle
          call place_body(system, work, system%tree%order(k), .true., q)
       end do
    end subroutine place_tree

@@ -167,8 +167,8 @@ contains
       integer, intent(in) :: body
       logical, intent(in) :: origin
       !> Coordinates (nq), and velocities if they are placed too (nq)
-      real(wp), contiguous, intent(inout) :: q(:)
-      real(wp), contiguous, intent(inout), optional :: v(:)
+      real(wp), intent(inout) :: q(*)
+      real(wp), intent(inout), optional :: v(*)
       integer :: j, first
       first = system%layout%q(body)
       associate (tree => system%tree)
@@ -183,6 +183,7 @@ contains
             end do
          end if
          if (tree%driver(body) > 0) call turn_frame(system, work, tree%driver(body), first, q, v)
+         if (tree%grip(body) == 0) return
          do j = 1, size(tree%holders, 1)
             if (tree%holders(j, body) == 0) exit
             call turn_frame(system, work, tree%holders(j, body), first, q, v)
@@ -195,8 +196,8 @@ contains
       type(system_type), intent(in) :: system
       !> Index of the body
       integer, intent(in) :: body
-      real(wp), contiguous, intent(inout) :: q(:)
-      real(wp), contiguous, intent(inout), optional :: v(:)
+      real(wp), intent(inout) :: q(*)
+      real(wp), intent(inout), optional :: v(*)
       real(wp) :: p(2), rate(2)
       integer :: to, from
       to = system%layout%q(body)
@@ -212,7 +213,8 @@ contains
          q(to + 1) = p(2)
          if (.not. present(v)) return
          rate = 0.0_wp
-         if (point%body /= ground) rate = point_velocity(system%model, system%layout, point, q, v)
+         if (point%body /= ground) rate = point_velocity(system%model, system%layout, point, q(:system%layout%nq), &
+            & v(:system%layout%nq))
          v(to:to + 1) = rate
       end associate
    end subroutine hang_origin
@@ -223,8 +225,8 @@ contains
       type(workspace_type), intent(in) :: work
       !> Index of the constraint, first index of the frame's coordinates
       integer, intent(in) :: constraint, first
-      real(wp), contiguous, intent(inout) :: q(:)
-      real(wp), contiguous, intent(inout), optional :: v(:)
+      real(wp), intent(inout) :: q(*)
+      real(wp), intent(inout), optional :: v(*)
       select type (item => system%constraints(constraint)%item)
       type is (driven_angle_type)
          associate (drive => work%kinematics%drives(item%drive))

@@ -58,6 +58,7 @@ contains
       call forest(model)
       system = new_system(model)
       call new_workspace(system, work)
+      call check_span(system)
       call new_recursion(system, recursion)
       call check(recursion%usable, 'a forest is one')
       associate (nq => system%layout%nq)
@@ -83,6 +84,18 @@ contains
          call check_close(b(i), a(i), 1.0e-11_wp*maxval(abs(a)), 'acceleration '//as_text(i))
       end do
    end subroutine test_forest
+
+   !> Each body has one place, behind that of its carrier; one tree is in flight, and no joint closes a loop.
+   subroutine check_span(system)
+      type(system_type), intent(in) :: system
+      integer :: i
+      associate (span => system%tree%span, bodies => size(system%layout%q))
+         call check(all([(count(span%body == i) == 1, i=1, bodies)]), 'each body has a place')
+         call check(all(span%carrier < [(i, i=1, bodies)]), 'behind that of its carrier')
+         call check(count(span%carrier < 0) == 1 .and. count(span%side == 0) == 1, 'one tree is in flight')
+         call check(span%loops == 0 .and. system%tree%articulated, 'no loop')
+      end associate
+   end subroutine check_span
 
    !> Loops, other joints, loads, bodies that are no rigid ones or have no inertia, and scenes where nothing is to be eliminated.
    subroutine test_refused()

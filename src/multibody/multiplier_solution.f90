@@ -323,7 +323,7 @@ contains
    subroutine recover_multipliers(system, work)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
-      integer :: i, j, k, row
+      integer :: i, j, k, row, placed
       real(wp) :: left(3), sign
       associate (tree => system%tree)
          do k = 1, size(tree%equations)
@@ -338,7 +338,8 @@ contains
             end associate
             j = tree%span%first(i)
             do while (j > 0)
-               call take_borne(system, work, i, j, left)
+               placed = tree%body((j + 1)/2)
+               if (placed /= 0 .and. placed /= i) call take_borne(system, work, j, left)
                j = tree%span%next(j)
             end do
             if (tree%grip(i) > 0) then
@@ -401,16 +402,15 @@ contains
       end do
    end subroutine recover_held
 
-   !> Takes from what is left of a body's forces those of a constraint, if it places another body on this one.
-   pure subroutine take_borne(system, work, body, number, left)
+   !> Takes from what is left of a body's forces those of a constraint that places another one on it.
+   pure subroutine take_borne(system, work, number, left)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(in) :: work
-      !> The body, and the side of the constraint that it is: 2 (c - 1) + s
-      integer, intent(in) :: body, number
+      !> Of the constraint's side, 2 (c - 1) + s
+      integer, intent(in) :: number
       real(wp), intent(inout) :: left(3)
       integer :: row, c
       c = (number + 1)/2
-      if (system%tree%body(c) == 0 .or. system%tree%body(c) == body) return
       do row = 1, system%constraints(c)%item%rows
          left = left - work%jacobians(number - 2*(c - 1), c)%z(row, :)*work%lambda(system%constraints(c)%item%first + row - 1)
       end do

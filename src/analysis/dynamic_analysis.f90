@@ -42,7 +42,7 @@ module limber_analysis_dynamic_analysis
    use limber_output_sample_sink, only: sink_type
    use limber_output_followed_turns, only: follow_places, follow_motion
    use limber_multibody_kinematics, only: place_frames, move_frames, settle_angles
-   use limber_multibody_multiplier_system, only: update_jacobians
+   use limber_multibody_multiplier_system, only: place_constraints
    use limber_multibody_system, only: system_type
    implicit none
    private
@@ -507,8 +507,7 @@ contains
       subroutine look_at_slip()
          call integrator%interpolate(t, sample%q, sample%v, sample%w)
          call integrator%complete(scene%system, scene%work, t, sample%q, sample%v)
-         call place_frames(scene%system%model, scene%system%layout, t, sample%q, scene%work%kinematics)
-         call update_jacobians(scene%system, scene%work)
+         call place_constraints(scene%system, scene%work, t, sample%q)
          call check_residuals(scene%system, scene%work, t, .true., sample%v, outcome)
       end subroutine look_at_slip
 

@@ -30,7 +30,7 @@ module limber_analysis_kinematic_analysis
    use limber_multibody_kinematics, only: place_frames, settle_angles
    use limber_multibody_layout, only: advance
    use limber_multibody_motion_residual, only: motion_residual
-   use limber_multibody_multiplier_system, only: update_jacobians
+   use limber_multibody_multiplier_system, only: place_constraints
    use limber_multibody_redundant_constraints, only: redundancy_type, find_redundancy, constraint_names
    implicit none
    private
@@ -119,8 +119,7 @@ contains
       integer :: missing
       character(:), allocatable :: drivers
       associate (system => scene%system, work => scene%work)
-         call place_frames(system%model, system%layout, step%dynamics%start, scene%q, work%kinematics)
-         call update_jacobians(system, work)
+         call place_constraints(system, work, step%dynamics%start, scene%q)
          call find_freedom(system, work, .true., freedom)
          missing = size(freedom%basis, 2)
          if (missing > 0) then

@@ -117,6 +117,11 @@ contains
             first = system%layout%w(i)
             n = system%layout%rates(i)
             largest = max(largest, maxval(abs(work%bodies(i)%force(:n)*scale(first:first + n - 1))))
+            ! The inertia of a steady rotation
+            associate (mass => balance%tangent%bodies(i)%mass)
+               largest = max(largest, maxval(abs(matmul(mass, balance%push(first:first + size(mass, 1) - 1)) &
+                  & *scale(first:first + size(mass, 1) - 1))))
+            end associate
             ! What round-off of the deflections makes of a stiff body that bears nothing
             associate (stiffness => balance%tangent%bodies(i)%stiffness)
                do k = 1, size(stiffness, 2)

@@ -30,13 +30,13 @@ module limber_analysis_static_analysis
    use limber_output_progress, only: progress_type
    use limber_output_sample_sink, only: sink_type
    use limber_output_followed_turns, only: follow_places
-   use limber_multibody_equilibrium, only: new_equilibrium, judge, descend, steady_motion, extent, &
-      & linearise_balance, begin_way
+   use limber_multibody_equilibrium, only: new_equilibrium, steady_motion, extent, linearise_balance, begin_way
    use limber_multibody_free_motions, only: motion_text
    use limber_multibody_kinematics, only: place_frames, move_frames
    use limber_multibody_layout, only: advance
    use limber_multibody_motion_laws, only: describe_law
    use limber_multibody_multiplier_system, only: update_jacobians
+   use limber_multibody_stability, only: judge, descend
    use limber_multibody_turn_counts, only: driven_turn
    implicit none
    private

@@ -10,10 +10,11 @@ module limber_analysis_static_branch
    use limber_model_model, only: analysis_step_type, leave_unstable, stop_unstable
    use limber_output_channel_values, only: recorder_type
    use limber_output_followed_turns, only: follow_places
-   use limber_multibody_equilibrium, only: equilibrium_type, find_equilibrium, linearise_balance, judge, descend, is_near, &
-      & extent, first_step, settle_beside, begin_way
+   use limber_multibody_equilibrium, only: equilibrium_type, find_equilibrium, linearise_balance, is_near, extent, &
+      & first_step, settle_beside, begin_way
    use limber_multibody_free_motions, only: motion_text
    use limber_multibody_kinematics, only: angle_type, place_frames, settle_angles
+   use limber_multibody_stability, only: judge, descend
    use limber_multibody_turn_counts, only: driven_turn
    implicit none
    private

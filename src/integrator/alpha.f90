@@ -185,8 +185,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       logical :: singular
       self%tangent%softness = 1/mass_factor(self)
-      call combine(self%tangent, cmplx(mass_factor(self), 0.0_wp, wp), (1.0_wp, 0.0_wp), &
-         & cmplx(self%h*self%beta/self%gamma, 0.0_wp, wp), cmplx(self%h*self%beta/self%gamma, 0.0_wp, wp), .false.)
+      call combine(self%tangent, mass_factor(self), 1.0_wp, self%h*self%beta/self%gamma, self%h*self%beta/self%gamma)
       call self%tangent%matrix%factor(singular)
       self%statistics%factorisations = self%statistics%factorisations + 1
       self%h_factors = self%h

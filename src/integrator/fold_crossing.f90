@@ -9,9 +9,8 @@ module limber_integrator_fold_crossing
    use limber_base_error, only: error_type
    use limber_multibody_plane_vectors, only: turn, cross
    use limber_multibody_equations_of_motion, only: linearise, accelerations, input_power, velocity_gaps, velocity_residual
-   use limber_multibody_kinematics, only: place_frames
    use limber_multibody_layout, only: advance
-   use limber_multibody_multiplier_system, only: update_jacobians
+   use limber_multibody_multiplier_system, only: place_constraints
    use limber_multibody_projection, only: settle, project_velocity
    use limber_multibody_multiplier_solution, only: solve_gaps, recover_multipliers
    use limber_multibody_system, only: system_type, workspace_type
@@ -167,8 +166,7 @@ contains
          integer :: i, first
          self%x = s*(w + 0.5_wp*s*acceleration)
          call advance(system%layout, q, self%x, self%place)
-         call place_frames(system%model, system%layout, t + s, self%place, work%kinematics)
-         call update_jacobians(system, work)
+         call place_constraints(system, work, t + s, self%place)
          self%place = 0.0_wp
          largest = velocity_residual(system, work, self%place)
          grip_after = dot_product(self%weakest, work%gamma)

@@ -19,7 +19,7 @@ module limber_integrator_radau
    use limber_multibody_motion_residual, only: motion_residual
    use limber_multibody_projection, only: settle
    use limber_multibody_system, only: system_type, workspace_type
-   use limber_multibody_tangent, only: combine, give_way
+   use limber_multibody_tangent, only: combine, combine_complex, give_way
    use limber_multibody_tangent_products, only: times_mass, times_stiffness
    implicit none
    private
@@ -192,13 +192,12 @@ contains
       logical, intent(out) :: done
       complex(wp) :: mu
       logical :: singular
-      mu = cmplx(gamma, 0.0_wp, wp)/self%h
       self%tangent%softness = self%h/gamma
-      call combine(self%tangent, mu, (1.0_wp, 0.0_wp), 1/mu, 1/mu, .false.)
+      call combine(self%tangent, gamma/self%h, 1.0_wp, 1/(gamma/self%h), 1/(gamma/self%h))
       call self%tangent%matrix%factor(singular)
       done = .not. singular
       mu = cmplx(alpha, beta, wp)/self%h
-      call combine(self%tangent, mu, (1.0_wp, 0.0_wp), 1/mu, 1/mu, .true.)
+      call combine_complex(self%tangent, mu, (1.0_wp, 0.0_wp), 1/mu, 1/mu)
       call self%tangent%matrix%factor_complex(singular)
       done = done .and. .not. singular
       self%statistics%factorisations = self%statistics%factorisations + 2

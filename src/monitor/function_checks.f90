@@ -14,7 +14,7 @@ module limber_monitor_function_checks
    use limber_multibody_layout, only: advance, velocities_of
    use limber_multibody_multiplier_system, only: update_jacobians
    use limber_multibody_system, only: system_type, workspace_type
-   use limber_multibody_tangent, only: combine, solve_refined
+   use limber_multibody_tangent, only: factor_masses, solve_refined
    use limber_multibody_small_vibrations, only: vibrations_type, find_vibrations, no_damping
    implicit none
    private
@@ -283,9 +283,7 @@ contains
       call advance(system%layout, q, motion, moved)
       call linearise_balance(system, work, balance, t, moved, lambda)
       balance%moved = moved
-      balance%tangent%softness = 1.0_wp
-      call combine(balance%tangent, (1.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), .false.)
-      call balance%tangent%matrix%factor(singular)
+      call factor_masses(balance%tangent, singular)
       done = .not. singular
       if (singular) return
       associate (nw => system%layout%nw, solution => balance%solution)

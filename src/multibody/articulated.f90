@@ -19,11 +19,10 @@ module limber_multibody_articulated
       & gather_three => gather_block, spread_three => spread_block
    use limber_model_model, only: model_type, point_type, body_rigid, body_flexible, ground
    use limber_multibody_point_joints, only: revolute_type
-   use limber_multibody_tree_order, only: order_on_pins
    use limber_multibody_system, only: system_type
    implicit none
    private
-   public :: articulated_type, new_forest, most_order, eliminate, hand_on, forest_solve
+   public :: articulated_type, new_forest, hinge_points, most_order, eliminate, hand_on, forest_solve
 
    !> Bodies from which on a system is worth the trouble
    integer, parameter :: many = 10
@@ -34,8 +33,8 @@ module limber_multibody_articulated
 
    !> A place in the order of the elimination: a body and the pin that it hangs on
    type :: place_type
-      !> Body, and the first one that has the same constants
-      integer :: body = 0, model = 0
+      !> The first body that has the same constants
+      integer :: model = 0
       !> Place of its carrier: 0 for the ground, -1 for none
       integer :: carrier = -1
       !> First index of its coordinates, of its rates; number of deflection coordinates
@@ -83,34 +82,20 @@ contains
    subroutine new_forest(system, forest)
       type(system_type), intent(in) :: system
       type(articulated_type), intent(out) :: forest
-      integer, allocatable :: pin(:)
       integer :: bodies, i, n, pairs
       bodies = size(system%model%bodies)
-      if (bodies < many .or. size(system%loads) > 0 .or. system%redundant .or. system%exact) return
-      if (3 + maxval(system%layout%n) > most_order) return
-      if (size(system%constraints) > bodies .or. size(system%angles) + size(system%bends) > 0) return
+      if (bodies < many .or. .not. system%tree%articulated .or. size(system%loads) > 0 .or. system%exact) return
+      if (3 + maxval(system%layout%n) > most_order .or. size(system%angles) + size(system%bends) > 0) return
       do i = 1, bodies
          if (.not. may_belong(system%model%bodies(i)%kind, system%model%bodies(i)%reduced)) return
       end do
-      do i = 1, size(system%constraints)
-         select type (item => system%constraints(i)%item)
-         type is (revolute_type)
-            if (item%driven) return
-         class default
-            return
-         end select
-      end do
-      allocate (forest%places(bodies))
-      allocate (pin(bodies))
-      call order_on_pins(system, forest%places%body, forest%places%carrier, pin)
-      ! A joint that places no body closes a loop
-      if (count(pin > 0) < size(system%constraints)) return
       n = maxval(system%layout%n)
       pairs = max(1, n*(n + 1)/2)
       forest%order = 3 + n
       forest%nw = system%layout%nw
       forest%nc = system%nc
-      call set_places(system, pin, n, forest)
+      allocate (forest%places(bodies))
+      call set_places(system, n, forest)
       allocate (forest%block(3 + n, 3 + n, bodies), forest%reaction(3 + n, 2, bodies), forest%rows(3 + n, 2, bodies), &
          & forest%carried(3 + n, 2, bodies), forest%carrying(3 + n, 2, bodies), forest%compliance(2, 2, bodies))
       allocate (forest%started(bodies), forest%pairs(pairs), &
@@ -132,19 +117,20 @@ contains
    end function may_belong
 
    !> Numbers of all places, and the pins, each kind of them once.
-   subroutine set_places(system, pin, n, forest)
+   subroutine set_places(system, n, forest)
       type(system_type), intent(in) :: system
-      !> Joint that each body hangs on; most deflection coordinates
-      integer, intent(in) :: pin(:), n
+      !> Most deflection coordinates
+      integer, intent(in) :: n
       type(articulated_type), intent(inout) :: forest
       real(wp), allocatable :: pins(:, :, :)
-      integer :: k, i, side, count
-      allocate (pins(2, 0:n, 1 + 2*size(pin)))
+      integer :: k, i, count, points(2)
+      allocate (pins(2, 0:n, 1 + 2*size(forest%places)))
       pins(:, :, 1) = 0.0_wp
       count = 1
       do k = 1, size(forest%places)
-         associate (place => forest%places(k))
-            i = place%body
+         associate (place => forest%places(k), side => system%tree%span%side(k))
+            i = system%tree%span%body(k)
+            place%carrier = system%tree%span%carrier(k)
             place%model = i
             if (k > 1) then
                if (same_body(system%model%bodies(forest%places(k - 1)%model)%reduced, system%model%bodies(i)%reduced)) &
@@ -153,20 +139,31 @@ contains
             place%q = system%layout%q(i)
             place%w = system%layout%w(i)
             place%n = system%layout%n(i)
-            if (pin(i) <= 0) cycle
-            select type (item => system%constraints(pin(i))%item)
-            type is (revolute_type)
-               side = merge(1, 2, item%bodies(1) == i)
-               place%row = item%first
-               place%sign = merge(1.0_wp, -1.0_wp, side == 1)
-               call find_pin(system%model%points(system%marker_points(item%markers(side))), n, pins, count, place%own)
-               call find_pin(system%model%points(system%marker_points(item%markers(3 - side))), n, pins, count, place%base)
-            end select
+            if (side == 0) cycle
+            place%row = system%constraints((side + 1)/2)%item%first
+            place%sign = merge(1.0_wp, -1.0_wp, modulo(side, 2) == 1)
+            points = hinge_points(system, k)
+            call find_pin(system%model%points(points(1)), n, pins, count, place%own)
+            call find_pin(system%model%points(points(2)), n, pins, count, place%base)
          end associate
       end do
       allocate (forest%pins(2, 0:n, count))
       forest%pins = pins(:, :, :count)
    end subroutine set_places
+
+   !> Points of the hinge that the body of a place hangs on: its own, and that of its carrier.
+   pure function hinge_points(system, k) result(points)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: k
+      integer :: points(2), side
+      side = system%tree%span%side(k)
+      points = 0
+      select type (item => system%constraints((side + 1)/2)%item)
+      type is (revolute_type)
+         points = system%marker_points(item%markers([1, 2]))
+         if (modulo(side, 2) == 0) points = points([2, 1])
+      end select
+   end function hinge_points
 
    !> Column of a point among the pins; it is appended unless it is one of the last.
    subroutine find_pin(point, n, pins, count, column)
@@ -203,30 +200,35 @@ contains
       same = all(abs(a%cubic - b%cubic) <= 0.0_wp)
    end function same_body
 
-   !> Inverse of a body's block, and what its pin yields to its carrier; blocks of all that hangs on it are there: eqs. (4.24),
-   !> (4.25).
-   pure subroutine eliminate(order, m, pinned, block, reaction, rows, compliance, singular)
+   !> Inverse of the block of a place, and what its pin yields to its carrier; blocks of all that hangs on it are there:
+   !> eqs. (4.24), (4.25).
+   pure subroutine eliminate(forest, k, singular)
+      type(articulated_type), intent(inout) :: forest
+      integer, intent(in) :: k
+      !> True if a pivot vanishes
+      logical, intent(out) :: singular
+      associate (m => 3 + forest%places(k)%n, pinned => forest%places(k)%carrier >= 0)
+         select case (merge(m, 0, m == forest%order))
+         case (3)
+            call eliminate_three(pinned, forest%block(:, :, k), forest%reaction(:, :, k), forest%rows(:, :, k), &
+               & forest%compliance(:, :, k), singular)
+         case (6)
+            call eliminate_six(pinned, forest%block(:, :, k), forest%reaction(:, :, k), forest%rows(:, :, k), &
+               & forest%compliance(:, :, k), singular)
+         case default
+            call eliminate_order(forest%order, m, pinned, forest%block(:, :, k), forest%reaction(:, :, k), forest%rows(:, :, k), &
+               & forest%compliance(:, :, k), singular)
+         end select
+      end associate
+   end subroutine eliminate
+
+   !> The same for any order.
+   pure subroutine eliminate_order(order, m, pinned, block, reaction, rows, compliance, singular)
       !> Leading dimension; number of the body's rates
       integer, intent(in) :: order, m
       !> Whether it has a pin
       logical, intent(in) :: pinned
       !> A, then its inverse; G^T, then A^-1 G^T; L^T; S^-1
-      real(wp), intent(inout) :: block(order, order), reaction(order, 2)
-      real(wp), intent(in) :: rows(order, 2)
-      real(wp), intent(inout) :: compliance(2, 2)
-      !> True if a pivot vanishes
-      logical, intent(out) :: singular
-      select case (merge(m, 0, m == order))
-      case (3); call eliminate_three(pinned, block, reaction, rows, compliance, singular)
-      case (6); call eliminate_six(pinned, block, reaction, rows, compliance, singular)
-      case default; call eliminate_order(order, m, pinned, block, reaction, rows, compliance, singular)
-      end select
-   end subroutine eliminate
-
-   !> The same for any order.
-   pure subroutine eliminate_order(order, m, pinned, block, reaction, rows, compliance, singular)
-      integer, intent(in) :: order, m
-      logical, intent(in) :: pinned
       real(wp), intent(inout) :: block(order, order), reaction(order, 2)
       real(wp), intent(in) :: rows(order, 2)
       real(wp), intent(inout) :: compliance(2, 2)
@@ -292,24 +294,29 @@ contains
       end do
    end subroutine invert
 
-   !> Adds to the block of the carrier what hangs on its pin: eq. (4.25).
-   pure subroutine hand_on(order, m, compliance, carried, carrying, block)
+   !> Adds to the block of the carrier of a place what hangs on its pin: eq. (4.25).
+   pure subroutine hand_on(forest, k)
+      type(articulated_type), intent(inout) :: forest
+      integer, intent(in) :: k
+      associate (c => forest%places(k)%carrier, m => 3 + forest%places(forest%places(k)%carrier)%n)
+         select case (merge(m, 0, m == forest%order))
+         case (3)
+            call hand_on_three(forest%compliance(:, :, k), forest%carried(:, :, k), forest%carrying(:, :, k), forest%block(:, :, c))
+         case (6)
+            call hand_on_six(forest%compliance(:, :, k), forest%carried(:, :, k), forest%carrying(:, :, k), forest%block(:, :, c))
+         case default
+            call hand_on_order(forest%order, m, forest%compliance(:, :, k), forest%carried(:, :, k), forest%carrying(:, :, k), &
+               & forest%block(:, :, c))
+         end select
+      end associate
+   end subroutine hand_on
+
+   !> The same for any order.
+   pure subroutine hand_on_order(order, m, compliance, carried, carrying, block)
       !> Leading dimension; number of the carrier's rates
       integer, intent(in) :: order, m
       real(wp), intent(in) :: compliance(2, 2), carried(order, 2)
-      !> N^T, then (S^-1 N)^T
-      real(wp), intent(inout) :: carrying(order, 2)
-      real(wp), intent(inout) :: block(order, order)
-      select case (merge(m, 0, m == order))
-      case (3); call hand_on_three(compliance, carried, carrying, block)
-      case (6); call hand_on_six(compliance, carried, carrying, block)
-      case default; call hand_on_order(order, m, compliance, carried, carrying, block)
-      end select
-   end subroutine hand_on
-
-   pure subroutine hand_on_order(order, m, compliance, carried, carrying, block)
-      integer, intent(in) :: order, m
-      real(wp), intent(in) :: compliance(2, 2), carried(order, 2)
+      !> N^T, then (S^-1 N)^T; block of the carrier
       real(wp), intent(inout) :: carrying(order, 2), block(order, order)
       real(wp) :: first, second
       integer :: i, j
@@ -329,61 +336,53 @@ contains
       type(articulated_type), intent(in) :: forest
       !> Right-hand sides of the bodies in the layout of the rates, and of the constraints; then the unknowns (nw + nc)
       real(wp), intent(inout) :: x(*)
-      real(wp) :: none(1)
-      integer :: k, c, order
-      order = forest%order
-      none = 0.0_wp
+      integer :: k
       do k = size(forest%places), 1, -1
-         associate (place => forest%places(k), z => forest%nw + forest%places(k)%row)
-            c = place%carrier
-            if (c > 0) then
-               call gather(order, 3 + place%n, 3 + forest%places(c)%n, place%sign, forest%block(:, :, k), forest%rows(:, :, k), &
-                  & forest%compliance(:, :, k), forest%carried(:, :, k), x(place%w), x(z), x(forest%places(c)%w))
-            else if (c == 0) then
-               call gather(order, 3 + place%n, 0, place%sign, forest%block(:, :, k), forest%rows(:, :, k), &
-                  & forest%compliance(:, :, k), forest%carried(:, :, k), x(place%w), x(z), none)
-            else
-               call multiply(order, 3 + place%n, forest%block(:, :, k), x(place%w))
-            end if
-         end associate
+         call gather(forest, k, x)
       end do
       do k = 1, size(forest%places)
-         associate (place => forest%places(k), z => forest%nw + forest%places(k)%row)
-            c = place%carrier
-            if (c > 0) then
-               call spread_out(order, 3 + place%n, 3 + forest%places(c)%n, place%sign, forest%reaction(:, :, k), &
-                  & forest%carrying(:, :, k), x(forest%places(c)%w), x(z), x(place%w))
-            else if (c == 0) then
-               call spread_out(order, 3 + place%n, 0, place%sign, forest%reaction(:, :, k), forest%carrying(:, :, k), &
-                  & none, x(z), x(place%w))
-            end if
-         end associate
+         if (forest%places(k)%carrier >= 0) call spread_out(forest, k, x)
       end do
    end subroutine forest_solve
 
    !> On the way to the roots: y = A^-1 f, z = S^-1 (L y - g), and H^T z for the carrier.
-   pure subroutine gather(order, m, carriers, sign, block, rows, compliance, carried, y, z, f)
+   pure subroutine gather(forest, k, x)
+      type(articulated_type), intent(in) :: forest
+      integer, intent(in) :: k
+      real(wp), intent(inout) :: x(*)
+      real(wp) :: none(1)
+      associate (place => forest%places(k), c => forest%places(k)%carrier, m => 3 + forest%places(k)%n, &
+            & z => forest%nw + forest%places(k)%row, order => forest%order)
+         none = 0.0_wp
+         if (c < 0) then
+            call multiply(order, m, forest%block(:, :, k), x(place%w))
+         else if (c == 0) then
+            call gather_order(order, m, 0, place%sign, forest%block(:, :, k), forest%rows(:, :, k), forest%compliance(:, :, k), &
+               & forest%carried(:, :, k), x(place%w), x(z), none)
+         else
+            associate (carriers => 3 + forest%places(c)%n, f => forest%places(c)%w)
+               select case (merge(order, 0, m == order .and. carriers == order))
+               case (3)
+                  call gather_three(place%sign, forest%block(:, :, k), forest%rows(:, :, k), forest%compliance(:, :, k), &
+                     & forest%carried(:, :, k), x(place%w), x(z), x(f))
+               case (6)
+                  call gather_six(place%sign, forest%block(:, :, k), forest%rows(:, :, k), forest%compliance(:, :, k), &
+                     & forest%carried(:, :, k), x(place%w), x(z), x(f))
+               case default
+                  call gather_order(order, m, carriers, place%sign, forest%block(:, :, k), forest%rows(:, :, k), &
+                     & forest%compliance(:, :, k), forest%carried(:, :, k), x(place%w), x(z), x(f))
+               end select
+            end associate
+         end if
+      end associate
+   end subroutine gather
+
+   !> The same for any order.
+   pure subroutine gather_order(order, m, carriers, sign, block, rows, compliance, carried, y, z, f)
       !> Leading dimension; numbers of the rates of the body and of its carrier
       integer, intent(in) :: order, m, carriers
       real(wp), intent(in) :: sign, block(order, order), rows(order, 2), compliance(2, 2), carried(order, 2)
-      !> f, then y; g, then z
-      real(wp), intent(inout) :: y(m), z(2)
-      !> Right-hand side of the carrier
-      real(wp), intent(inout) :: f(*)
-      if (m == order .and. carriers == order) then
-         select case (order)
-         case (3); call gather_three(sign, block, rows, compliance, carried, y, z, f)
-         case (6); call gather_six(sign, block, rows, compliance, carried, y, z, f)
-         case default; call gather_order(order, m, carriers, sign, block, rows, compliance, carried, y, z, f)
-         end select
-      else
-         call gather_order(order, m, carriers, sign, block, rows, compliance, carried, y, z, f)
-      end if
-   end subroutine gather
-
-   pure subroutine gather_order(order, m, carriers, sign, block, rows, compliance, carried, y, z, f)
-      integer, intent(in) :: order, m, carriers
-      real(wp), intent(in) :: sign, block(order, order), rows(order, 2), compliance(2, 2), carried(order, 2)
+      !> f, then y; g, then z; right-hand side of the carrier
       real(wp), intent(inout) :: y(m), z(2), f(*)
       real(wp) :: a, b, first, second
       integer :: i
@@ -424,27 +423,38 @@ contains
    end subroutine multiply
 
    !> On the way back: l = z - S^-1 N x of the carrier, x = y - A^-1 G^T l.
-   pure subroutine spread_out(order, m, carriers, sign, reaction, carrying, above, z, y)
-      integer, intent(in) :: order, m, carriers
-      real(wp), intent(in) :: sign, reaction(order, 2), carrying(order, 2)
-      !> x of the carrier
-      real(wp), intent(in) :: above(*)
-      !> z, then the multipliers in their own sign; y, then x
-      real(wp), intent(inout) :: z(2), y(m)
-      if (m == order .and. carriers == order) then
-         select case (order)
-         case (3); call spread_three(sign, reaction, carrying, above, z, y)
-         case (6); call spread_six(sign, reaction, carrying, above, z, y)
-         case default; call spread_order(order, m, carriers, sign, reaction, carrying, above, z, y)
-         end select
-      else
-         call spread_order(order, m, carriers, sign, reaction, carrying, above, z, y)
-      end if
+   pure subroutine spread_out(forest, k, x)
+      type(articulated_type), intent(in) :: forest
+      integer, intent(in) :: k
+      real(wp), intent(inout) :: x(*)
+      real(wp) :: none(1)
+      associate (place => forest%places(k), c => forest%places(k)%carrier, m => 3 + forest%places(k)%n, &
+            & z => forest%nw + forest%places(k)%row, order => forest%order)
+         none = 0.0_wp
+         if (c == 0) then
+            call spread_order(order, m, 0, place%sign, forest%reaction(:, :, k), forest%carrying(:, :, k), none, x(z), x(place%w))
+         else
+            associate (carriers => 3 + forest%places(c)%n, above => forest%places(c)%w)
+               select case (merge(order, 0, m == order .and. carriers == order))
+               case (3)
+                  call spread_three(place%sign, forest%reaction(:, :, k), forest%carrying(:, :, k), x(above), x(z), x(place%w))
+               case (6)
+                  call spread_six(place%sign, forest%reaction(:, :, k), forest%carrying(:, :, k), x(above), x(z), x(place%w))
+               case default
+                  call spread_order(order, m, carriers, place%sign, forest%reaction(:, :, k), forest%carrying(:, :, k), x(above), &
+                     & x(z), x(place%w))
+               end select
+            end associate
+         end if
+      end associate
    end subroutine spread_out
 
+   !> The same for any order.
    pure subroutine spread_order(order, m, carriers, sign, reaction, carrying, above, z, y)
       integer, intent(in) :: order, m, carriers
+      !> x of the carrier
       real(wp), intent(in) :: sign, reaction(order, 2), carrying(order, 2), above(*)
+      !> z, then the multipliers in their own sign; y, then x
       real(wp), intent(inout) :: z(2), y(m)
       real(wp) :: first, second
       integer :: i

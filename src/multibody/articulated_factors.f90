@@ -37,8 +37,7 @@ contains
                call pin_derivatives(order, place%n, stiffness, forest%pins(:, :, place%own), q(place%q + 2), q(place%q + 4), &
                   & w(place%w), force, forest%rows(:, :, k), forest%block(:, :, k))
             end if
-            call eliminate(order, 3 + place%n, c >= 0, forest%block(:, :, k), forest%reaction(:, :, k), forest%rows(:, :, k), &
-               & forest%compliance(:, :, k), singular)
+            call eliminate(forest, k, singular)
             if (singular) return
             if (c <= 0) cycle
             associate (carrier => forest%places(c))
@@ -47,8 +46,7 @@ contains
                   & forest%carried(:, :, k), forest%carrying(:, :, k))
                call pin_derivatives(order, carrier%n, stiffness, forest%pins(:, :, place%base), q(carrier%q + 2), &
                   & q(carrier%q + 4), w(carrier%w), -force, forest%carrying(:, :, k), forest%block(:, :, c))
-               call hand_on(order, 3 + carrier%n, forest%compliance(:, :, k), forest%carried(:, :, k), forest%carrying(:, :, k), &
-                  & forest%block(:, :, c))
+               call hand_on(forest, k)
             end associate
          end associate
       end do

@@ -6,7 +6,8 @@ module limber_multibody_articulated_motion
    use limber_beam_elastic_forces, only: elastic_force, geometric_power
    use limber_beam_reduced_body, only: add_damping, damping_power, reduced_type
    use limber_model_model, only: model_type
-   use limber_multibody_articulated, only: articulated_type
+   use limber_multibody_articulated, only: articulated_type, most_order
+   use limber_multibody_body, only: inertia_forces
    implicit none
    private
    public :: forest_residual, forest_settle, forest_times_mass, forest_power
@@ -45,54 +46,6 @@ contains
          end associate
       end do
    end subroutine forest_residual
-
-   !> M a + velocity terms - weight of a body, eq. (1.15).
-   pure subroutine inertia_forces(body, n, gravity, u, eta, omega, rate, acceleration, alpha, push_rate, motion)
-      type(reduced_type), intent(in) :: body
-      integer, intent(in) :: n
-      !> Vector of the frame (2), deflection coordinates (n), angular velocity, rates (n)
-      real(wp), intent(in) :: gravity(2), u(2), eta(n), omega, rate(n)
-      !> r'' (2), alpha, eta'' (n)
-      real(wp), intent(in) :: acceleration(2), alpha, push_rate(n)
-      real(wp), intent(out) :: motion(3 + n)
-      real(wp) :: c(2), drift(2), push(2), heavy(2), own(2), turning, inertia, square, h
-      integer :: j, k
-      c = body%c0
-      drift = 0.0_wp
-      push = 0.0_wp
-      turning = 0.0_wp
-      inertia = body%i0
-      square = omega**2
-      do k = 1, n
-         c(1) = c(1) + body%c(1, k)*eta(k)
-         c(2) = c(2) + body%c(2, k)*eta(k)
-         drift(1) = drift(1) + body%c(1, k)*rate(k)
-         drift(2) = drift(2) + body%c(2, k)*rate(k)
-         push(1) = push(1) + body%c(1, k)*push_rate(k)
-         push(2) = push(2) + body%c(2, k)*push_rate(k)
-         turning = turning + (body%d(k) + eta(k))*rate(k)
-         inertia = inertia + (2*body%d(k) + eta(k))*eta(k)
-      end do
-      heavy = acceleration - gravity
-      own(1) = u(1)*heavy(1) + u(2)*heavy(2)
-      own(2) = u(1)*heavy(2) - u(2)*heavy(1)
-      push(1) = push(1) - alpha*c(2) - square*c(1) - 2*omega*drift(2)
-      push(2) = push(2) + alpha*c(1) - square*c(2) + 2*omega*drift(1)
-      motion(1) = body%mass*heavy(1) + push(1)*u(1) - push(2)*u(2)
-      motion(2) = body%mass*heavy(2) + push(1)*u(2) + push(2)*u(1)
-      motion(3) = c(1)*own(2) - c(2)*own(1) + inertia*alpha + 2*omega*turning
-      do k = 1, n
-         h = body%e(k)
-         turning = 0.0_wp
-         do j = 1, n
-            h = h + body%skew(j, k)*eta(j)
-            turning = turning + body%skew(j, k)*rate(j)
-         end do
-         motion(3) = motion(3) + h*push_rate(k)
-         motion(3 + k) = body%c(1, k)*own(1) + body%c(2, k)*own(2) + h*alpha + push_rate(k) - square*(body%d(k) + eta(k)) &
-            & + 2*omega*turning
-      end do
-   end subroutine inertia_forces
 
    !> Adds the elastic force and the damping of a body.
    subroutine add_elastic(forest, body, eta, rate, motion)
@@ -133,43 +86,6 @@ contains
       speed(1) = speed(1) + sign*(w(1) + drift(1)*u(1) - drift(2)*u(2))
       speed(2) = speed(2) + sign*(w(2) + drift(1)*u(2) + drift(2)*u(1))
    end subroutine add_pin
-
-   !> Mass matrix of a body, eq. (1.10).
-   pure subroutine mass_matrix(order, n, body, u, eta, block)
-      integer, intent(in) :: order, n
-      type(reduced_type), intent(in) :: body
-      real(wp), intent(in) :: u(2), eta(n)
-      real(wp), intent(out) :: block(order, 3 + n)
-      real(wp) :: c(2), h
-      integer :: j, k
-      c = body%c0
-      block(3, 3) = body%i0
-      do k = 1, n
-         c(1) = c(1) + body%c(1, k)*eta(k)
-         c(2) = c(2) + body%c(2, k)*eta(k)
-         block(3, 3) = block(3, 3) + (2*body%d(k) + eta(k))*eta(k)
-         h = body%e(k)
-         do j = 1, n
-            h = h + body%skew(j, k)*eta(j)
-            block(3 + j, 3 + k) = 0.0_wp
-         end do
-         block(3 + k, 3 + k) = 1.0_wp
-         block(3, 3 + k) = h
-         block(3 + k, 3) = h
-         block(1, 3 + k) = body%c(1, k)*u(1) - body%c(2, k)*u(2)
-         block(2, 3 + k) = body%c(1, k)*u(2) + body%c(2, k)*u(1)
-         block(3 + k, 1) = block(1, 3 + k)
-         block(3 + k, 2) = block(2, 3 + k)
-      end do
-      block(1, 1) = body%mass
-      block(2, 1) = 0.0_wp
-      block(1, 2) = 0.0_wp
-      block(2, 2) = body%mass
-      block(3, 1) = -c(1)*u(2) - c(2)*u(1)
-      block(3, 2) = c(1)*u(1) - c(2)*u(2)
-      block(1, 3) = block(3, 1)
-      block(2, 3) = block(3, 2)
-   end subroutine mass_matrix
 
    !> Moves a state that is near the pins onto them, at position and velocity level. No pin closes a loop, so that the place and the
    !> velocity of each frame follow from its carrier: rotations, deflections and their rates stay as they are. The momentum of a
@@ -232,14 +148,17 @@ contains
       real(wp), intent(in) :: q(*), vector(*)
       real(wp), intent(in) :: factor
       real(wp), intent(inout) :: product(*)
-      real(wp) :: block(forest%order, forest%order)
-      integer :: k, j, m
+      !> At rest and without weight the residual of a body is M a
+      real(wp), parameter :: none(2) = 0.0_wp
+      real(wp) :: force(most_order), rest(most_order)
+      integer :: k, j
+      rest = 0.0_wp
       do k = 1, size(forest%places)
-         associate (place => forest%places(k))
-            m = 3 + place%n
-            call mass_matrix(forest%order, place%n, model%bodies(place%model)%reduced, q(place%q + 2), q(place%q + 4), block)
-            do j = 1, m
-               product(place%w:place%w + m - 1) = product(place%w:place%w + m - 1) + factor*vector(place%w + j - 1)*block(:m, j)
+         associate (place => forest%places(k), to => forest%places(k)%w)
+            call inertia_forces(model%bodies(place%model)%reduced, place%n, none, q(place%q + 2), q(place%q + 4), 0.0_wp, rest, &
+               & vector(to), vector(to + 2), vector(to + 3), force)
+            do j = 1, 3 + place%n
+               product(to + j - 1) = product(to + j - 1) + factor*force(j)
             end do
          end associate
       end do

@@ -6,8 +6,7 @@ module limber_multibody_articulated_rigid
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
    use limber_model_model, only: body_rigid
-   use limber_multibody_point_joints, only: revolute_type
-   use limber_multibody_tree_order, only: order_on_pins
+   use limber_multibody_articulated, only: hinge_points
    use limber_multibody_system, only: system_type
    implicit none
    private
@@ -17,8 +16,8 @@ module limber_multibody_articulated_rigid
    type :: articulated_rigid_type
       !> True if the model is such a forest
       logical :: usable = .false.
-      !> Body of a place, first index of its coordinates, and place of its carrier: 0 for the ground, -1 for none
-      integer, allocatable :: body(:), first(:), carrier(:)
+      !> First index of the coordinates of a body, and place of its carrier: 0 for the ground, -1 for none
+      integer, allocatable :: first(:), carrier(:)
       !> Mass; first moment (2) and second moment of mass about the pin; place of the pin in the body frame (2), and from the pin
       !> of the carrier in that one's frame, or in space (2)
       real(wp), allocatable, private :: constants(:, :)
@@ -39,53 +38,37 @@ contains
    subroutine new_recursion(system, recursion)
       type(system_type), intent(in) :: system
       type(articulated_rigid_type), intent(out) :: recursion
-      integer, allocatable :: pin(:)
       integer :: bodies, i, k
       bodies = size(system%model%bodies)
-      if (size(system%loads) > 0 .or. system%powered) return
+      if (.not. system%tree%articulated .or. size(system%loads) > 0 .or. system%powered) return
       do i = 1, bodies
          if (system%model%bodies(i)%kind /= body_rigid .or. .not. system%model%bodies(i)%reduced%mass > 0.0_wp) return
       end do
-      do i = 1, size(system%constraints)
-         select type (item => system%constraints(i)%item)
-         type is (revolute_type)
-         class default
-            return
-         end select
-      end do
-      allocate (recursion%body(bodies), recursion%first(bodies), recursion%carrier(bodies))
+      recursion%carrier = system%tree%span%carrier
+      recursion%first = system%layout%q(system%tree%span%body)
       allocate (recursion%constants(8, bodies), recursion%articulated(9, bodies), recursion%motion(4, bodies))
-      allocate (pin(bodies))
-      call order_on_pins(system, recursion%body, recursion%carrier, pin)
-      ! A joint that places no body closes a loop
-      if (count(pin > 0) < size(system%constraints)) return
       do k = 1, bodies
-         call set_constants(system, k, pin, recursion)
+         call set_constants(system, k, recursion)
       end do
       recursion%usable = all(recursion%constants(inertia, :) > 0.0_wp)
    end subroutine new_recursion
 
    !> Constants of a place; those of its carrier are there.
-   subroutine set_constants(system, k, pin, recursion)
+   subroutine set_constants(system, k, recursion)
       type(system_type), intent(in) :: system
-      integer, intent(in) :: k, pin(:)
+      integer, intent(in) :: k
       type(articulated_rigid_type), intent(inout) :: recursion
       real(wp) :: p(2), base(2)
-      integer :: i, side
-      i = recursion%body(k)
-      recursion%first(k) = system%layout%q(i)
+      integer :: points(2)
       p = 0.0_wp
       base = 0.0_wp
-      if (pin(i) > 0) then
-         select type (item => system%constraints(pin(i))%item)
-         type is (revolute_type)
-            side = merge(1, 2, item%bodies(1) == i)
-            p = system%model%points(system%marker_points(item%markers(side)))%p0
-            base = system%model%points(system%marker_points(item%markers(3 - side)))%p0
-         end select
+      if (recursion%carrier(k) >= 0) then
+         points = hinge_points(system, k)
+         p = system%model%points(points(1))%p0
+         base = system%model%points(points(2))%p0
          if (recursion%carrier(k) > 0) base = base - recursion%constants(own:own + 1, recursion%carrier(k))
       end if
-      associate (body => system%model%bodies(i)%reduced, to => recursion%constants(:, k))
+      associate (body => system%model%bodies(system%tree%span%body(k))%reduced, to => recursion%constants(:, k))
          to(mass) = body%mass
          to(moment:moment + 1) = body%c0 - body%mass*p
          to(inertia) = body%i0 - 2*dot_product(body%c0, p) + body%mass*dot_product(p, p)
@@ -104,19 +87,19 @@ contains
       !> Second derivatives of q (nq)
       real(wp), contiguous, intent(inout) :: a(:)
       integer :: k
-      do k = 1, size(recursion%body)
+      do k = 1, size(recursion%first)
          associate (at => recursion%first(k))
             call start_place(recursion%constants(:, k), gravity, q(at + 2:at + 3), v(at + 2:at + 3), recursion%articulated(:, k))
          end associate
       end do
-      do k = size(recursion%body), 1, -1
+      do k = size(recursion%first), 1, -1
          if (recursion%carrier(k) <= 0) cycle
          associate (at => recursion%first(recursion%carrier(k)))
             call hand_on(recursion%constants(:, k), recursion%articulated(:, k), q(at + 2:at + 3), v(at + 2:at + 3), &
                & recursion%articulated(:, recursion%carrier(k)))
          end associate
       end do
-      do k = 1, size(recursion%body)
+      do k = 1, size(recursion%first)
          associate (at => recursion%first(k), c => recursion%carrier(k))
             if (c > 0) then
                associate (from => recursion%first(c))
@@ -236,7 +219,7 @@ contains
       real(wp), contiguous, intent(inout) :: q(:), v(:)
       real(wp) :: u(2), d(2), e(2), omega, length, above(2), turning
       integer :: k, at, c
-      do k = 1, size(recursion%body)
+      do k = 1, size(recursion%first)
          at = recursion%first(k)
          c = recursion%carrier(k)
          length = sqrt(q(at + 2)**2 + q(at + 3)**2)

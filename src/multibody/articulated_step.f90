@@ -7,11 +7,11 @@ module limber_multibody_articulated_step
    use limber_beam_reduced_body, only: add_damping, reduced_type
    use limber_model_model, only: model_type
    use limber_multibody_plane_vectors, only: turn, along, cross
-   use limber_multibody_body, only: body_mass
+   use limber_multibody_body, only: body_mass, centre_moment
    use limber_multibody_articulated, only: articulated_type, most_order, eliminate, hand_on
    use limber_multibody_layout, only: layout_type
-   use limber_multibody_momentum, only: body_momentum, momentum_tangent, pull_tangent
-   use limber_multibody_discrete_step, only: discrete_step_type, gauss, find_end, into_frame
+   use limber_multibody_momentum, only: balance, balance_tangent, body_momentum, momentum_tangent, pull_tangent, velocity_slope
+   use limber_multibody_discrete_step, only: discrete_step_type, gauss, find_end
    implicit none
    private
    public :: begin_forest_step, forest_step_residual, forest_step_factor, forest_step_mass
@@ -81,44 +81,6 @@ contains
          end associate
       end do
    end subroutine forest_step_residual
-
-   !> Change of the momenta of a body less its weight and the pull of its growing inertia, eq. (5.23).
-   pure subroutine balance(body, n, h, gravity, u0, u1, eta, y, b, new_b, p, new_p, motion)
-      type(reduced_type), intent(in) :: body
-      integer, intent(in) :: n
-      !> Step; frames' vectors at both ends (2), coordinates at the start (n)
-      real(wp), intent(in) :: h, gravity(2), u0(2), u1(2), eta(n)
-      !> Increments, rates and momenta at both ends (3 + n)
-      real(wp), intent(in) :: y(3 + n), b(3 + n), new_b(3 + n), p(3 + n), new_p(3 + n)
-      real(wp), intent(inout) :: motion(3 + n)
-      real(wp) :: before(2), after(2), c0(2), c1(2), arm(2), stretch(2), own(2), speed(2), spin, part, inverse
-      integer :: j, k
-      inverse = 1/h
-      before = along(p(1:2), u0)
-      after = along(new_p(1:2), u1)
-      c0 = body%c0
-      do k = 1, n
-         c0 = c0 + body%c(:, k)*eta(k)
-      end do
-      c1 = c0
-      do k = 1, n
-         c1 = c1 + body%c(:, k)*y(3 + k)
-      end do
-      arm = 0.5_wp*(along(c0, u0) + along(c1, u1))
-      stretch = u0 + 0.5_wp*y(3)*turn(u0)
-      motion(1:2) = (after - before)*inverse - body%mass*gravity
-      motion(3) = (new_p(3) - p(3) + 0.5_wp*cross(y(1:2), before + after))*inverse - cross(arm, gravity)
-      own = into_frame(gravity, stretch)
-      speed = b(3)*new_b(1:2) + new_b(3)*b(1:2)
-      spin = b(3)*new_b(3)
-      do k = 1, n
-         part = body%c(1, k)*speed(2) - body%c(2, k)*speed(1) + 2*(body%d(k) + eta(k) + 0.5_wp*y(3 + k))*spin
-         do j = 1, n
-            part = part - body%skew(j, k)*(new_b(3)*b(3 + j) + b(3)*new_b(3 + j))
-         end do
-         motion(3 + k) = (new_p(3 + k) - p(3 + k))*inverse - 0.5_wp*part - body%c(1, k)*own(1) - body%c(2, k)*own(2)
-      end do
-   end subroutine balance
 
    !> Adds the mean of the elastic force over the step, eq. (5.26), and the damping.
    subroutine add_mean_elastic(forest, body, h, eta, change, motion)
@@ -191,8 +153,7 @@ contains
                   & step%new_q(place%q:place%q + 3 + place%n), y(place%w + 2), force, forest%reaction(:, :, k), &
                   & forest%rows(:, :, k), forest%block(:, :, k))
             end if
-            call eliminate(order, 3 + place%n, c >= 0, forest%block(:, :, k), forest%reaction(:, :, k), forest%rows(:, :, k), &
-               & forest%compliance(:, :, k), singular)
+            call eliminate(forest, k, singular)
             if (singular) return
             if (c <= 0) cycle
             associate (carrier => forest%places(c))
@@ -200,8 +161,7 @@ contains
                call pin_step_rows(order, carrier%n, forest%pins(:, :, place%base), step%q(carrier%q:carrier%q + 3 + carrier%n), &
                   & step%new_q(carrier%q:carrier%q + 3 + carrier%n), y(carrier%w + 2), -force, forest%carried(:, :, k), &
                   & forest%carrying(:, :, k), forest%block(:, :, c))
-               call hand_on(order, 3 + carrier%n, forest%compliance(:, :, k), forest%carried(:, :, k), forest%carrying(:, :, k), &
-                  & forest%block(:, :, c))
+               call hand_on(forest, k)
             end associate
          end associate
       end do
@@ -214,36 +174,24 @@ contains
       type(discrete_step_type), intent(in) :: step
       integer, intent(in) :: k
       real(wp), intent(in) :: y(:)
-      real(wp) :: slope(2, 3), back(2), after(2), mean(2), arm(2), change(2), shrink, frame(3, 3), coupling(most_order, 3), c(2)
-      real(wp) :: between(most_order)
+      real(wp) :: slope(2, 3), arm(2), frame(3, 3), coupling(most_order, 3), between(most_order)
       integer :: n, j, point
       forest%started(k) = .true.
-      associate (place => forest%places(k), body => model%bodies(forest%places(k)%model)%reduced, gravity => model%gravity, &
-         & h => step%h, block => forest%block(:, :, k), at => forest%places(k)%w, first => forest%places(k)%q + 4)
-         n = place%n
-         call step_block(forest, body, step, k, y, slope, frame, coupling, after)
-         associate (u0 => step%q(first - 2:first - 1), u1 => step%new_q(first - 2:first - 1), last => at + 2 + n)
-            shrink = 1/(1 + 0.25_wp*y(at + 2)**2)
-            mean = 0.5_wp*(after + along(step%p(at:at + 1), u0))
-            do j = 1, 3 + n
-               change = along(block(1:2, j), u1)
-               if (j == 3) change = change + shrink*turn(after)
-               block(3, j) = block(3, j) + 0.5_wp*cross(y(at:at + 1), change)
-               block(1:2, j) = change
-            end do
-            block(3, 1) = block(3, 1) + mean(2)
-            block(3, 2) = block(3, 2) - mean(1)
-            block(:3 + n, :3 + n) = block(:3 + n, :3 + n)/h
+      n = forest%places(k)%n
+      associate (at => forest%places(k)%w, last => forest%places(k)%w + 2 + n, first => forest%places(k)%q + 4, &
+            & body => model%bodies(forest%places(k)%model)%reduced, gravity => model%gravity, h => step%h, &
+            & block => forest%block(:, :, k))
+         associate (u0 => step%q(first - 2:first - 1), u1 => step%new_q(first - 2:first - 1))
+            slope = velocity_slope(h, u0, y(at:at + 2))
+            call body_mass(body, [1.0_wp, 0.0_wp], step%new_q(first:first + n - 1), frame, coupling(:n, :))
+            call momentum_tangent(body, step%new_q(first:first + n - 1), step%new_b(at:last), frame, coupling(:n, :), slope, &
+               & h, block)
+            call balance_tangent(h, u0, u1, y(at:last), step%p(at:at + 1), step%new_p(at:at + 1), block)
             between(:n) = step%q(first:first + n - 1) + 0.5_wp*y(at + 3:last)
             call pull_tangent(body, between(:n), step%b(at:last), step%new_b(at:last), slope, h, block)
             if (allocated(forest%masses)) forest%masses(:, :, k) = block
-            back = [u0(1), -u0(2)]
-            c = body%c0
-            do j = 1, n
-               c = c + body%c(:, j)*step%new_q(first + j - 1)
-            end do
-            arm = along(c, u1)
-            block(3, 3) = block(3, 3) + 0.5_wp*shrink*dot_product(arm, gravity)
+            arm = along(centre_moment(body, step%new_q(first:first + n - 1)), u1)
+            block(3, 3) = block(3, 3) + 0.5_wp*dot_product(arm, gravity)/(1 + 0.25_wp*y(at + 2)**2)
             if (n == 0) return
             do j = 1, n
                block(3, 3 + j) = block(3, 3 + j) - 0.5_wp*cross(along(body%c(:, j), u1), gravity)
@@ -259,31 +207,6 @@ contains
          end associate
       end associate
    end subroutine start_block
-
-   !> Derivative of the momenta at the end by the increments, in the axes of the frame, into the block; what it is made of.
-   subroutine step_block(forest, body, step, k, y, slope, frame, coupling, after)
-      type(articulated_type), intent(inout) :: forest
-      type(reduced_type), intent(in) :: body
-      type(discrete_step_type), intent(in) :: step
-      integer, intent(in) :: k
-      real(wp), intent(in) :: y(:)
-      !> Derivative of the velocity by dr and alpha, mass matrix, momentum at the end
-      real(wp), intent(out) :: slope(2, 3), frame(3, 3), after(2)
-      real(wp), intent(inout) :: coupling(most_order, 3)
-      real(wp) :: back(2)
-      associate (at => forest%places(k)%w, first => forest%places(k)%q + 4, n => forest%places(k)%n)
-         associate (u0 => step%q(first - 2:first - 1), u1 => step%new_q(first - 2:first - 1))
-            back = [u0(1), -u0(2)]
-            slope(:, 1) = (back - 0.5_wp*y(at + 2)*turn(back))*(2/step%h)
-            slope(:, 2) = turn(slope(:, 1))
-            slope(:, 3) = -turn(into_frame(y(at:at + 1), u0))/step%h
-            call body_mass(body, [1.0_wp, 0.0_wp], step%new_q(first:first + n - 1), frame, coupling(:n, :))
-            call momentum_tangent(body, step%new_q(first:first + n - 1), step%new_b(at:at + 2 + n), frame, coupling(:n, :), slope, &
-               & step%h, forest%block(:, :, k))
-            after = along(step%new_p(at:at + 1), u1)
-         end associate
-      end associate
-   end subroutine step_block
 
    !> Rows of a pin: of the mean, transposed, and of the end by the increments; adds the derivatives of its force.
    pure subroutine pin_step_rows(order, n, pin, q, new_q, alpha, force, mean, end, block)

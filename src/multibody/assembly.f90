@@ -14,7 +14,8 @@ module limber_multibody_assembly
    use limber_multibody_constraint_matrix, only: constraint_matrix_type, new_constraint_matrix, hold_columns, given_columns
    use limber_multibody_equations_of_motion, only: position_residual, velocity_residual
    use limber_multibody_kinematics, only: place_frames, move_frames
-   use limber_multibody_multiplier_system, only: update_jacobians
+   use limber_multibody_layout, only: guess_place, rates_of, velocities_of
+   use limber_multibody_multiplier_system, only: place_constraints
    use limber_multibody_constraint_rank, only: assembly_type, check_rank, check_branch, stretch_remedy
    use limber_multibody_redundant_constraints, only: constraint_names
    use limber_multibody_system, only: system_type, workspace_type
@@ -152,8 +153,7 @@ contains
          call move_frames(system%model, system%layout, q, v, work%kinematics)
       else
          q = kept
-         call place_frames(system%model, system%layout, t, q, work%kinematics)
-         call update_jacobians(system, work)
+         call place_constraints(system, work, t, q)
       end if
       call hold_columns(frames, [(.false., i=1, frames%columns)])
 
@@ -182,14 +182,9 @@ contains
       !> Coordinates before and after (nq)
       real(wp), intent(in) :: before(:), q(:)
       real(wp), intent(inout) :: v(:)
-      real(wp) :: omega
-      integer :: i, first
-      do i = 1, size(system%layout%q)
-         if (.not. system%layout%framed(i)) cycle
-         first = system%layout%q(i) + 2
-         omega = cross(before(first:first + 1), v(first:first + 1))
-         v(first:first + 1) = omega*turn(q(first:first + 1))
-      end do
+      real(wp) :: w(system%layout%nw)
+      call rates_of(system%layout, before, v, w)
+      call velocities_of(system%layout, q, w, v)
    end subroutine turn_rates
 
    !> Coordinates and velocities as the model guesses them; driven frames already point where they are driven.
@@ -200,15 +195,13 @@ contains
       real(wp), intent(out) :: q(:), v(:)
       type(jet_type) :: theta
       integer :: i, first
-      q = 0.0_wp
+      call guess_place(system%model, system%layout, q)
       v = 0.0_wp
       do i = 1, size(system%model%bodies)
          associate (body => system%model%bodies(i))
             first = system%layout%q(i)
-            q(first:first + 1) = body%position
             v(first:first + 1) = body%velocity
             if (.not. system%layout%framed(i)) cycle
-            q(first + 2:first + 3) = [cos(body%angle), sin(body%angle)]
             v(first + 2:first + 3) = body%spin*[-sin(body%angle), cos(body%angle)]
          end associate
       end do
@@ -277,13 +270,13 @@ contains
       type(system_type), intent(in) :: system
       real(wp), intent(in) :: start(:), q(:)
       type(assembly_type), intent(inout) :: found
-      real(wp) :: change(size(q))
+      real(wp) :: change(system%layout%nw)
       integer :: i
       call change_between(system, start, q, change)
-      do i = 1, size(system%layout%q)
+      do i = 1, size(system%layout%w)
          if (.not. system%layout%framed(i)) cycle
-         if (abs(change(system%layout%q(i) + 2)) <= found%turned) cycle
-         found%turned = abs(change(system%layout%q(i) + 2))
+         if (abs(change(system%layout%w(i) + 2)) <= found%turned) cycle
+         found%turned = abs(change(system%layout%w(i) + 2))
          found%body = i
       end do
    end subroutine find_turn
@@ -301,21 +294,15 @@ contains
       integer, intent(inout) :: culprit
       !> Way of the fastest driver, as an angle or relative to the scene; residual relative to the scene that is no round-off
       real(wp), parameter :: way = 0.05_wp, open = 1.0e-5_wp
-      real(wp), allocatable :: other(:), step(:)
+      real(wp), allocatable :: other(:)
       character(:), allocatable :: others
-      real(wp) :: rate, later, residual
-      integer :: i, first
+      real(wp) :: step(system%layout%nw), rate, later, residual
       rate = fastest_driver(system, t)
       if (.not. rate > 0.0_wp) return
       later = t + way/rate
       allocate (other, source=q)
-      allocate (step, source=(way/rate)*v)
-      do i = 1, size(system%layout%q)
-         if (.not. system%layout%framed(i)) cycle
-         first = system%layout%q(i) + 2
-         step(first) = (way/rate)*cross(q(first:first + 1), v(first:first + 1))
-      end do
-      call move(system, step, other)
+      call rates_of(system%layout, q, v, step)
+      call move(system, (way/rate)*step, other)
       call approach(system, work, frames, later, other)
       residual = position_residual(system, work)
       if (residual > open) then
@@ -325,9 +312,8 @@ contains
             & ' is left open at t = '//as_text(later, 6)//'. Remove one of the drivers, or let them agree')
          return
       end if
-      call place_frames(system%model, system%layout, t, q, work%kinematics)
+      call place_constraints(system, work, t, q)
       call move_frames(system%model, system%layout, q, v, work%kinematics)
-      call update_jacobians(system, work)
    end subroutine look_ahead
 
    !> The largest rate of the drivers, angles or ways relative to the scene [1/time].

@@ -3,11 +3,12 @@
 !> chapter 5; doc/theory, eq. (4.27).
 module limber_multibody_assembly_newton
    use limber_base_kinds, only: wp
-   use limber_multibody_plane_vectors, only: turn, cross
+   use limber_multibody_plane_vectors, only: cross
    use limber_multibody_constraint_matrix, only: constraint_matrix_type, fill, least_step, damped_step
    use limber_multibody_equations_of_motion, only: position_residual, velocity_residual
    use limber_multibody_kinematics, only: place_frames, move_frames
-   use limber_multibody_multiplier_system, only: update_jacobians
+   use limber_multibody_layout, only: advance, normalise_frames, rates_of, velocities_of
+   use limber_multibody_multiplier_system, only: place_constraints, update_jacobians
    use limber_multibody_point_motion, only: point_position
    use limber_multibody_system, only: system_type, workspace_type
    implicit none
@@ -37,14 +38,13 @@ contains
       real(wp) :: residual, least
       integer :: round, since
       logical :: partly
-      allocate (step(size(q)))
+      allocate (step(system%layout%nw))
       least = huge(least)
       since = 0
       partly = any(abs(matrix%scale(:matrix%columns) - matrix%unweighted(:matrix%columns)) > 0.0_wp)
       allocate (best, source=q)
       do round = 1, most
-         call place_frames(system%model, system%layout, t, q, work%kinematics)
-         call update_jacobians(system, work)
+         call place_constraints(system, work, t, q)
          residual = position_residual(system, work)
          if (.not. residual <= huge(residual)) exit
          since = since + 1
@@ -65,8 +65,7 @@ contains
       q = best
       done = least <= enough(system, q)
       if (matrix%flexible) done = done .and. largest_deflection(system, q) <= most_deflection
-      call place_frames(system%model, system%layout, t, q, work%kinematics)
-      call update_jacobians(system, work)
+      call place_constraints(system, work, t, q)
    end subroutine close_positions
 
    !> Relative residual that counts as satisfied: round-off of the farthest place sets a bound.
@@ -93,7 +92,7 @@ contains
       real(wp), allocatable :: step(:), best(:)
       real(wp) :: open, least, damping
       integer :: round
-      allocate (step(size(q)))
+      allocate (step(system%layout%nw))
       allocate (best, source=q)
       least = huge(least)
       damping = 1.0e-2_wp
@@ -119,8 +118,7 @@ contains
          call move(system, step, q)
       end do
       q = best
-      call place_frames(system%model, system%layout, t, q, work%kinematics)
-      call update_jacobians(system, work)
+      call place_constraints(system, work, t, q)
    end subroutine approach
 
    !> Least-norm change of the rates that satisfies the velocity equations, or comes nearest to that; refined. Bodies without
@@ -134,13 +132,13 @@ contains
       logical, intent(out) :: done
       real(wp), allocatable :: step(:)
       logical, allocatable :: massless(:)
-      real(wp) :: residual, speed
+      real(wp) :: rest(size(v)), residual, speed
       integer :: round
-      allocate (step(size(v)))
+      allocate (step(system%layout%nw))
       massless = .not. (system%inertia(1, :) > 0.0_wp .or. system%inertia(4, :) > 0.0_wp)
       ! What drivers ask for, and what the motion has before and after
-      step = 0.0_wp
-      speed = max(velocity_residual(system, work, step), largest_rate(system, v))
+      rest = 0.0_wp
+      speed = max(velocity_residual(system, work, rest), largest_rate(system, v))
       call fill(system, work, matrix)
       if (any(massless)) then
          residual = velocity_residual(system, work, v)
@@ -159,19 +157,15 @@ contains
       call move_frames(system%model, system%layout, q, v, work%kinematics)
    end subroutine close_velocities
 
-   !> Adds a change of the rates that has that of the rotation in the first place of u.
+   !> Adds a change of the rates to velocities.
    pure subroutine add_rates(system, q, step, v)
       type(system_type), intent(in) :: system
-      real(wp), intent(in) :: q(:)
-      real(wp), intent(inout) :: step(:), v(:)
-      integer :: i
-      do i = 1, size(system%layout%q)
-         if (.not. system%layout%framed(i)) cycle
-         associate (first => system%layout%q(i) + 2)
-            step(first:first + 1) = step(first)*turn(q(first:first + 1))
-         end associate
-      end do
-      v = v + step
+      !> Coordinates (nq), change (nw), velocities (nq)
+      real(wp), intent(in) :: q(:), step(:)
+      real(wp), intent(inout) :: v(:)
+      real(wp) :: change(size(v))
+      call velocities_of(system%layout, q, step, change)
+      v = v + change
    end subroutine add_rates
 
    !> Largest rate of a motion, relative to the scene [1/time].
@@ -202,7 +196,7 @@ contains
       i = 1
       do k = 1, matrix%columns
          do while (i < size(kept))
-            if (matrix%place(k) < system%layout%q(i + 1)) exit
+            if (matrix%rate(k) < system%layout%w(i + 1)) exit
             i = i + 1
          end do
          column(k) = kept(i)
@@ -216,11 +210,10 @@ contains
    pure real(wp) function largest_turn(system, step) result(largest)
       type(system_type), intent(in) :: system
       real(wp), intent(in) :: step(:)
-      integer :: i, first
+      integer :: i
       largest = 0.0_wp
-      do i = 1, size(system%layout%q)
-         first = system%layout%q(i)
-         if (system%layout%framed(i)) largest = max(largest, abs(step(first + 2)))
+      do i = 1, size(system%layout%w)
+         if (system%layout%framed(i)) largest = max(largest, abs(step(system%layout%w(i) + 2)))
       end do
    end function largest_turn
 
@@ -250,38 +243,31 @@ contains
       end do
    end function largest_deflection
 
-   !> Moves q by a step that has alpha in the first place of u; rotates u exactly.
+   !> Moves q by a step in the layout of the rates.
    pure subroutine move(system, step, q)
       type(system_type), intent(in) :: system
+      !> (nw), (nq)
       real(wp), intent(in) :: step(:)
       real(wp), intent(inout) :: q(:)
-      integer :: i, first, last
-      do i = 1, size(system%layout%q)
-         first = system%layout%q(i)
-         q(first:first + 1) = q(first:first + 1) + step(first:first + 1)
-         if (.not. system%layout%framed(i)) cycle
-         associate (u => q(first + 2:first + 3))
-            u = cos(step(first + 2))*u + sin(step(first + 2))*turn(u)
-            u = u/norm2(u)
-         end associate
-         last = first + 3 + system%layout%n(i)
-         q(first + 4:last) = q(first + 4:last) + step(first + 4:last)
-      end do
+      real(wp) :: moved(size(q))
+      call advance(system%layout, q, step, moved)
+      call normalise_frames(system%layout, moved)
+      q = moved
    end subroutine move
 
-   !> Change from one position to another in the layout of q, the rotation in the first place of u.
+   !> Change from one position to another, in the layout of the rates.
    pure subroutine change_between(system, from, to, change)
       type(system_type), intent(in) :: system
+      !> (nq), (nw)
       real(wp), intent(in) :: from(:), to(:)
       real(wp), intent(out) :: change(:)
       integer :: i, first
-      change = to - from
+      call rates_of(system%layout, from, to - from, change)
       do i = 1, size(system%layout%q)
          if (.not. system%layout%framed(i)) cycle
          first = system%layout%q(i) + 2
-         change(first) = atan2(cross(from(first:first + 1), to(first:first + 1)), &
+         change(system%layout%w(i) + 2) = atan2(cross(from(first:first + 1), to(first:first + 1)), &
             & dot_product(from(first:first + 1), to(first:first + 1)))
-         change(first + 1) = 0.0_wp
       end do
    end subroutine change_between
 

@@ -7,8 +7,7 @@ module limber_multibody_beam_supports
    use limber_model_model, only: model_type, body_type, ground
    use limber_multibody_drivers, only: driven_angle_type
    use limber_multibody_free_motions, only: rate_scales
-   use limber_multibody_kinematics, only: place_frames
-   use limber_multibody_multiplier_system, only: update_jacobians
+   use limber_multibody_multiplier_system, only: place_constraints
    use limber_multibody_system, only: system_type, workspace_type
    implicit none
    private
@@ -39,8 +38,7 @@ contains
          if (.not. begun) then
             begun = .true.
             scale = rate_scales(system)
-            call place_frames(system%model, system%layout, system%model%dynamics%start, q, work%kinematics)
-            call update_jacobians(system, work)
+            call place_constraints(system, work, system%model%dynamics%start, q)
          end if
          normal = [-q(system%layout%q(body) + 3), q(system%layout%q(body) + 2)]
          do i = 1, size(system%model%joints)

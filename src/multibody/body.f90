@@ -17,8 +17,8 @@ module limber_multibody_body
    use limber_multibody_plane_vectors, only: turn, along, cross
    implicit none
    private
-   public :: rigid_mass, rigid_forces, body_mass, body_tangent, velocity_forces, gravity_forces, kinetic_energy, weight_potential, &
-      & centre_moment
+   public :: rigid_mass, rigid_forces, body_mass, body_tangent, velocity_forces, gravity_forces, inertia_forces, &
+      & kinetic_energy, weight_potential, centre_moment
 
 contains
 
@@ -231,6 +231,61 @@ contains
          on_eta(k) = on_eta(k) + dot_product(along(body%c(:, k), u), gravity)
       end do
    end subroutine gravity_forces
+
+   !> M a + velocity terms - weight, eq. (1.15): the residual of a body on which nothing else acts.
+   pure subroutine inertia_forces(body, n, gravity, u, eta, omega, rate, acceleration, alpha, push_rate, motion)
+      type(reduced_type), intent(in) :: body
+      integer, intent(in) :: n
+      !> Vector of the frame (2), deflection coordinates (n), angular velocity, rates (n)
+      real(wp), intent(in) :: gravity(2), u(2), eta(n), omega, rate(n)
+      !> r'' (2), alpha, eta'' (n)
+      real(wp), intent(in) :: acceleration(2), alpha, push_rate(n)
+      real(wp), intent(out) :: motion(3 + n)
+      real(wp) :: c(2), drift(2), push(2), heavy(2), own(2), turning, inertia, square, h
+      integer :: j, k
+      c = body%c0
+      drift = 0.0_wp
+      push = 0.0_wp
+      turning = 0.0_wp
+      inertia = body%i0
+      square = omega**2
+      do k = 1, n
+         c(1) = c(1) + body%c(1, k)*eta(k)
+         c(2) = c(2) + body%c(2, k)*eta(k)
+         drift(1) = drift(1) + body%c(1, k)*rate(k)
+         drift(2) = drift(2) + body%c(2, k)*rate(k)
+         push(1) = push(1) + body%c(1, k)*push_rate(k)
+         push(2) = push(2) + body%c(2, k)*push_rate(k)
+         turning = turning + (body%d(k) + eta(k))*rate(k)
+         inertia = inertia + (2*body%d(k) + eta(k))*eta(k)
+      end do
+      if (body%spinning) then
+         inertia = inertia - rotary_square(body, eta)
+         do k = 1, n
+            turning = turning - rate(k)*rotary_row(body, k, eta)
+         end do
+      end if
+      heavy = acceleration - gravity
+      own(1) = u(1)*heavy(1) + u(2)*heavy(2)
+      own(2) = u(1)*heavy(2) - u(2)*heavy(1)
+      push(1) = push(1) - alpha*c(2) - square*c(1) - 2*omega*drift(2)
+      push(2) = push(2) + alpha*c(1) - square*c(2) + 2*omega*drift(1)
+      motion(1) = body%mass*heavy(1) + push(1)*u(1) - push(2)*u(2)
+      motion(2) = body%mass*heavy(2) + push(1)*u(2) + push(2)*u(1)
+      motion(3) = c(1)*own(2) - c(2)*own(1) + inertia*alpha + 2*omega*turning
+      do k = 1, n
+         h = body%e(k)
+         turning = 0.0_wp
+         do j = 1, n
+            h = h + body%skew(j, k)*eta(j)
+            turning = turning + body%skew(j, k)*rate(j)
+         end do
+         motion(3) = motion(3) + h*push_rate(k)
+         motion(3 + k) = body%c(1, k)*own(1) + body%c(2, k)*own(2) + h*alpha + push_rate(k) - square*(body%d(k) + eta(k)) &
+            & + 2*omega*turning
+         if (body%spinning) motion(3 + k) = motion(3 + k) + square*rotary_row(body, k, eta)
+      end do
+   end subroutine inertia_forces
 
    !> Kinetic energy.
    pure real(wp) function kinetic_energy(body, u, eta, velocity, omega, rate) result(energy)

@@ -8,11 +8,15 @@
 !> Floor: multibody. Source: doc/theory, eqs. (4.33), (4.34).
 module limber_multibody_compliant_constraints
    use limber_base_kinds, only: wp
+   use limber_multibody_sparse_matrix, only: sparse_type
    use limber_multibody_system, only: system_type
+   use limber_multibody_topology, only: new_tree
    implicit none
    private
-   public :: soften_constraints
+   public :: soften_constraints, refine, next_correction
 
+   !> Corrections of a solution
+   integer, parameter, public :: rounds = 2
    !> e relative to the mobility of a body of mean mass: well above round-off, well below one
    real(wp), parameter :: softness = 1.0e-8_wp
 
@@ -21,43 +25,9 @@ contains
    !> Makes a system ready for redundant constraints. A workspace is to be made anew after it.
    subroutine soften_constraints(system)
       type(system_type), intent(inout) :: system
-      integer :: i, k
+      integer :: i, count
       real(wp) :: mass
-      integer :: count
-      associate (tree => system%tree)
-         tree%joint = 0
-         tree%driver = 0
-         tree%side = 0
-         tree%carrier = 0
-         tree%marker = 0
-         tree%grip = 0
-         tree%holders = 0
-         tree%holds = .false.
-         tree%axes = 0
-         tree%axis_rows = 0
-         tree%given = .false.
-         tree%timed = [integer ::]
-         tree%first = 0
-         tree%next = 0
-         tree%body = 0
-         tree%open = [(i, i=1, size(system%constraints))]
-         tree%plain = .true.
-         tree%columns = 0
-         tree%free = 0
-         do i = 1, size(tree%count)
-            tree%order(i) = i
-            tree%count(i) = system%layout%rates(i)
-            do k = 1, tree%count(i)
-               tree%free = tree%free + 1
-               tree%columns(k, i) = tree%free
-            end do
-         end do
-         do i = 1, system%nc
-            tree%row(i) = tree%free + i
-         end do
-         tree%equations = [(i, i=1, system%nc)]
-         tree%unknowns = tree%free + system%nc
-      end associate
+      system%tree = new_tree(system, system%constraints, system%nc, .false.)
       mass = 0.0_wp
       count = 0
       do i = 1, size(system%model%bodies)
@@ -76,5 +46,33 @@ contains
          end associate
       end do
    end subroutine soften_constraints
+
+   !> Takes out of a solution what constraints have given way, eq. (4.34). Leaves the last correction.
+   subroutine refine(matrix, free, slack, solution, correction)
+      !> With its factors
+      type(sparse_type), intent(inout) :: matrix
+      !> Number of unknowns before the multipliers; how much each constraint gives way (nc)
+      integer, intent(in) :: free
+      real(wp), intent(in) :: slack(:)
+      !> (free + nc)
+      real(wp), contiguous, intent(inout) :: solution(:), correction(:)
+      integer :: round
+      correction(free + 1:) = solution(free + 1:)
+      do round = 1, rounds
+         call next_correction(matrix, free, slack, correction)
+         solution = solution + correction
+      end do
+   end subroutine refine
+
+   !> The correction behind the one before, or behind the multipliers of the solution.
+   subroutine next_correction(matrix, free, slack, correction)
+      type(sparse_type), intent(inout) :: matrix
+      integer, intent(in) :: free
+      real(wp), intent(in) :: slack(:)
+      real(wp), contiguous, intent(inout) :: correction(:)
+      correction(:free) = 0.0_wp
+      correction(free + 1:) = -slack*correction(free + 1:)
+      call matrix%solve(correction)
+   end subroutine next_correction
 
 end module limber_multibody_compliant_constraints

@@ -26,8 +26,8 @@ module limber_multibody_constraint_matrix
       !> Whether deflections are among the columns; whether singular values are used
       logical :: flexible = .false., dense = .false.
       integer :: rows = 0, columns = 0
-      !> Place of each column in the layout of q and its scale (columns); scale of each row (rows)
-      integer, allocatable :: place(:)
+      !> Rate of each column and its scale (columns); scale of each row (rows)
+      integer, allocatable :: rate(:)
       real(wp), allocatable :: scale(:), row_scale(:)
       !> The scales of the columns if none is held (columns)
       real(wp), allocatable :: unweighted(:)
@@ -50,7 +50,7 @@ module limber_multibody_constraint_matrix
 
 contains
 
-   !> Columns, entries and pattern.
+   !> Columns and entries.
    subroutine new_constraint_matrix(system, flexible, self, dense)
       type(system_type), intent(in) :: system
       !> Whether the deflections may change too
@@ -58,13 +58,18 @@ contains
       type(constraint_matrix_type), intent(inout) :: self
       !> Whether to use singular values; if not given, in small scenes
       logical, intent(in), optional :: dense
-      integer :: i, k
       self%flexible = flexible
       self%rows = system%nc
       self%dense = system%nc <= small_scene .and. system%layout%nw <= 3*small_scene
       if (present(dense)) self%dense = dense
       call find_columns(system, self)
       call find_entries(system, self)
+   end subroutine new_constraint_matrix
+
+   !> Pattern of the system of the header.
+   subroutine analyse_pattern(self)
+      type(constraint_matrix_type), intent(inout) :: self
+      integer :: i, k
       do k = 1, size(self%row)
          call self%matrix%mark(self%columns + self%row(k), self%column(k))
          call self%matrix%mark(self%column(k), self%columns + self%row(k))
@@ -78,25 +83,25 @@ contains
       do i = 1, size(self%diagonal)
          self%diagonal(i) = self%matrix%place(i, i)
       end do
-   end subroutine new_constraint_matrix
+   end subroutine analyse_pattern
 
    !> Scales: lengths relative to the scene, angles, deflections relative to the scene.
    subroutine find_columns(system, self)
       type(system_type), intent(in) :: system
       type(constraint_matrix_type), intent(inout) :: self
       integer :: body, i, k
-      allocate (self%place(system%layout%nw), self%scale(system%layout%nw), self%row_scale(system%nc))
+      allocate (self%rate(system%layout%nw), self%scale(system%layout%nw), self%row_scale(system%nc))
       self%columns = 0
       do body = 1, size(system%layout%q)
          do k = 1, system%layout%rates(body)
             self%columns = self%columns + 1
-            self%place(self%columns) = system%layout%q(body) + k - 1
+            self%rate(self%columns) = system%layout%w(body) + k - 1
             self%scale(self%columns) = merge(1.0_wp, system%model%length, k == 3)
          end do
          if (.not. self%flexible) cycle
          do k = 1, system%layout%n(body)
             self%columns = self%columns + 1
-            self%place(self%columns) = system%layout%q(body) + 3 + k
+            self%rate(self%columns) = system%layout%w(body) + system%layout%rates(body) + k - 1
             self%scale(self%columns) = system%model%length/system%model%bodies(body)%largest_shape
          end do
       end do
@@ -271,7 +276,7 @@ contains
       type(constraint_matrix_type), intent(inout) :: self
       !> Right-hand sides (rows)
       real(wp), intent(in) :: gaps(:)
-      !> Changes in the layout of q, alpha in the first place of u (nq)
+      !> Changes in the layout of the rates (nw)
       real(wp), intent(out) :: step(:)
       real(wp), allocatable :: matrix(:, :), unknown(:, :), values(:), buffer(:)
       integer, allocatable :: integers(:)
@@ -289,7 +294,7 @@ contains
       call dgelsd(m, n, 1, matrix, m, unknown, max(m, n), values, self%truncation, rank, buffer, size(buffer), integers, info)
       step = 0.0_wp
       if (info /= 0) return
-      step(self%place(:n)) = unknown(:n, 1)*self%scale(:n)
+      step(self%rate(:n)) = unknown(:n, 1)*self%scale(:n)
    end subroutine least_step
 
    !> The change that makes |change|^2 + |equations left open|^2/e least: with a large e a short one, that never goes the wrong way.
@@ -305,7 +310,7 @@ contains
       unknown(self%columns + 1:) = gaps/self%row_scale
       call solve_damped(self, e, unknown)
       step = 0.0_wp
-      step(self%place(:self%columns)) = unknown(:self%columns)*self%scale(:self%columns)
+      step(self%rate(:self%columns)) = unknown(:self%columns)*self%scale(:self%columns)
    end subroutine damped_step
 
    !> Solves the system of the header; factors are made anew when the values or e have changed.
@@ -317,6 +322,7 @@ contains
       real(wp), contiguous, intent(inout) :: unknown(:)
       logical :: singular
       integer :: k
+      if (.not. allocated(self%diagonal)) call analyse_pattern(self)
       if (.not. abs(self%factored - e) <= 0.0_wp) then
          self%matrix%values = 0.0_wp
          self%matrix%values(self%diagonal(:self%columns)) = 1.0_wp

@@ -6,8 +6,9 @@ module limber_multibody_constraint_rank
    use limber_model_model, only: ground
    use limber_multibody_assembly_newton, only: close_positions, move, change_between
    use limber_multibody_constraint_matrix, only: constraint_matrix_type, fill, least_step, times
-   use limber_multibody_kinematics, only: place_frames, move_frames
-   use limber_multibody_multiplier_system, only: update_jacobians
+   use limber_multibody_equations_of_motion, only: acceleration_gaps
+   use limber_multibody_kinematics, only: move_frames
+   use limber_multibody_multiplier_system, only: place_constraints
    use limber_multibody_redundant_constraints, only: redundancy_type, find_redundancy, constraint_names
    use limber_multibody_system, only: system_type, workspace_type
    implicit none
@@ -134,7 +135,7 @@ contains
          end associate
       end do
       stuck = 0
-      allocate (direction(matrix%columns), step(size(q)), change(size(q)))
+      allocate (direction(matrix%columns), step(system%layout%nw), change(system%layout%nw))
       direction = 0.0_wp
       do k = 1, size(matrix%row)
          if (here%group(owner(matrix%row(k))) == 0) cycle
@@ -173,15 +174,14 @@ contains
 
       !> Leaves kinematics and matrix at the position itself.
       subroutine go_back()
-         call place_frames(system%model, system%layout, t, q, work%kinematics)
-         call update_jacobians(system, work)
+         call place_constraints(system, work, t, q)
          call fill(system, work, matrix)
       end subroutine go_back
 
       !> What of the direction the equations leave free.
       subroutine keep_free()
          call least_step(matrix, times(matrix, direction)*matrix%row_scale, step)
-         direction = direction - step(matrix%place(:matrix%columns))/matrix%scale(:matrix%columns)
+         direction = direction - step(matrix%rate(:matrix%columns))/matrix%scale(:matrix%columns)
       end subroutine keep_free
 
       !> Moves the scene aside, onto the constraints.
@@ -191,12 +191,12 @@ contains
          real(wp), intent(out) :: made(:)
          logical, intent(out) :: done
          step = 0.0_wp
-         step(matrix%place(:matrix%columns)) = distance*direction*matrix%scale(:matrix%columns)
+         step(matrix%rate(:matrix%columns)) = distance*direction*matrix%scale(:matrix%columns)
          other = q
          call move(system, step, other)
          call close_positions(system, work, matrix, t, other, done)
          call change_between(system, q, other, change)
-         made = change(matrix%place(:matrix%columns))/matrix%scale(:matrix%columns)
+         made = change(matrix%rate(:matrix%columns))/matrix%scale(:matrix%columns)
       end subroutine go_aside
 
       !> The first group that was to move and has not.
@@ -251,17 +251,12 @@ contains
       integer, intent(inout) :: culprit
       real(wp), allocatable :: step(:), left(:)
       real(wp) :: speed
-      integer :: i
       call move_frames(system%model, system%layout, q, v, work%kinematics)
       call fill(system, work, matrix)
-      allocate (step(size(q)), left(system%nc))
-      do i = 1, size(system%constraints)
-         associate (item => system%constraints(i)%item)
-            call item%gamma(work%kinematics, work%gamma(item%first:item%first + item%rows - 1))
-         end associate
-      end do
+      allocate (step(system%layout%nw), left(system%nc))
+      call acceleration_gaps(system, work)
       call least_step(matrix, work%gamma, step)
-      left = times(matrix, step(matrix%place(:matrix%columns))/matrix%scale(:matrix%columns)) - work%gamma/matrix%row_scale
+      left = times(matrix, step(matrix%rate(:matrix%columns))/matrix%scale(:matrix%columns)) - work%gamma/matrix%row_scale
       speed = maxval(abs(work%gamma/matrix%row_scale))
       if (maxval(abs(left)) <= 1.0e-6_wp*speed) return
       culprit = maxval(found%singular%last)

@@ -9,17 +9,17 @@ module limber_multibody_discrete_motion
    use limber_beam_elastic_forces, only: elastic_force, elastic_tangent
    use limber_beam_reduced_body, only: damping_power
    use limber_model_model, only: ground
-   use limber_multibody_plane_vectors, only: turn, along, cross
+   use limber_multibody_plane_vectors, only: turn, along, into_frame, cross
    use limber_multibody_body, only: body_mass, centre_moment
    use limber_multibody_constraint, only: jacobian_type
    use limber_multibody_equations_of_motion, only: position_residual
    use limber_multibody_beam_discrete_step, only: exact_pull, exact_momentum_tangent, exact_pull_tangent, exact_weight_tangent
    use limber_multibody_kinematics, only: place_frames
    use limber_multibody_layout, only: layout_type
-   use limber_multibody_momentum, only: inertia_pull, momentum_tangent, pull_tangent
+   use limber_multibody_momentum, only: balance, balance_tangent, momentum_tangent, pull_tangent, velocity_slope
    use limber_multibody_motion_residual, only: copy_rows, add_reaction_stiffness
    use limber_multibody_multiplier_system, only: update_jacobians
-   use limber_multibody_discrete_step, only: discrete_step_type, find_end, find_mean, find_momenta, into_frame, gauss
+   use limber_multibody_discrete_step, only: discrete_step_type, find_end, find_mean, find_momenta, gauss
    use limber_multibody_system, only: system_type, workspace_type
    use limber_multibody_tangent, only: tangent_type, gather, combine
    implicit none
@@ -35,9 +35,9 @@ contains
       type(workspace_type), intent(inout) :: work
       type(discrete_step_type), intent(inout) :: step
       !> Increments (nw), multipliers (nc)
-      real(wp), intent(in) :: y(:), lambda(:)
+      real(wp), contiguous, intent(in) :: y(:), lambda(:)
       !> (nw) [force], (nc)
-      real(wp), intent(inout) :: motion(:), phi(:)
+      real(wp), contiguous, intent(inout) :: motion(:), phi(:)
       integer :: i, side, first
       real(wp) :: largest
       call find_end(system%layout, step, y)
@@ -112,51 +112,61 @@ contains
       type(workspace_type), intent(inout) :: work
       type(discrete_step_type), intent(inout) :: step
       integer, intent(in) :: i
-      real(wp), intent(in) :: y(:)
-      real(wp), intent(inout) :: motion(:)
-      real(wp) :: before(2), after(2), arm(2), stretch(2)
+      real(wp), contiguous, intent(in) :: y(:)
+      real(wp), contiguous, intent(inout) :: motion(:)
       integer :: at, last, first, n, k
       at = system%layout%w(i)
       n = system%layout%n(i)
-      associate (body => system%model%bodies(i)%reduced, u0 => step%start%frames(i)%u, u1 => work%kinematics%frames(i)%u, &
-         & gravity => system%model%gravity, h => step%h)
+      last = at + 2 + n
+      first = system%layout%q(i) + 4
+      associate (body => system%model%bodies(i)%reduced, gravity => system%model%gravity, h => step%h)
          if (.not. system%layout%framed(i)) then
             motion(at:at + 1) = (step%new_p(at:at + 1) - step%p(at:at + 1))/h - body%mass*gravity
             return
-         end if
-         last = at + 2 + n
-         first = system%layout%q(i) + 4
-         before = along(step%p(at:at + 1), u0)
-         after = along(step%new_p(at:at + 1), u1)
-         if (step%bodies(i)%line > 0) then
-            arm = 0.5_wp*(along(step%start%lines(step%bodies(i)%line)%moment(), u0) &
-               & + along(work%kinematics%lines(step%bodies(i)%line)%moment(), u1))
+         else if (step%bodies(i)%line > 0) then
+            call exact_balance(system, work, step, i, y, motion)
          else
-            arm = 0.5_wp*(along(centre_moment(body, step%q(first:first + n - 1)), u0) &
-               & + along(centre_moment(body, step%new_q(first:first + n - 1)), u1))
+            call balance(body, n, h, gravity, step%start%frames(i)%u, work%kinematics%frames(i)%u, step%q(first:), y(at:), &
+               & step%b(at:), step%new_b(at:), step%p(at:), step%new_p(at:), motion(at:))
          end if
-         stretch = u0 + 0.5_wp*y(at + 2)*turn(u0)
-         motion(at:at + 1) = (after - before)/h - body%mass*gravity
-         motion(at + 2) = (step%new_p(at + 2) - step%p(at + 2) + cross(y(at:at + 1), 0.5_wp*(before + after)))/h &
-            & - cross(arm, gravity)
          if (n == 0) return
-         step%bodies(i)%eta = step%q(first:first + n - 1) + 0.5_wp*y(at + 3:last)
-         if (step%bodies(i)%line > 0) then
-            associate (k => step%bodies(i)%line)
-               call exact_pull(step%bodies(i)%exact, step%start%lines(k), work%kinematics%lines(k), step%mean%lines(k), &
-                  & step%b(at:last), step%new_b(at:last), motion(at + 3:last))
-            end associate
-         else
-            call inertia_pull(body, step%bodies(i)%eta, step%b(at:last), step%new_b(at:last), motion(at + 3:last))
-         end if
          call mean_elastic_force(system, work, step, i, y)
          do k = 1, n
-            motion(at + 2 + k) = (step%new_p(at + 2 + k) - step%p(at + 2 + k))/h - motion(at + 2 + k) &
-               & + work%bodies(i)%eta_force(k) - dot_product(along(step%bodies(i)%moment(:, k), stretch), gravity)
+            motion(at + 2 + k) = motion(at + 2 + k) + work%bodies(i)%eta_force(k)
             if (body%damped) motion(at + 2 + k) = motion(at + 2 + k) + dot_product(body%damping(:, k), y(at + 3:last))/h
          end do
       end associate
    end subroutine body_residual
+
+   !> What `balance` finds of other bodies, of an exact beam.
+   subroutine exact_balance(system, work, step, i, y, motion)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(in) :: work
+      type(discrete_step_type), intent(inout) :: step
+      integer, intent(in) :: i
+      real(wp), intent(in) :: y(:)
+      real(wp), intent(inout) :: motion(:)
+      real(wp) :: before(2), after(2), arm(2), stretch(2)
+      integer :: at, last, k
+      at = system%layout%w(i)
+      last = at + 2 + system%layout%n(i)
+      associate (own => step%bodies(i), u0 => step%start%frames(i)%u, u1 => work%kinematics%frames(i)%u, h => step%h, &
+            & gravity => system%model%gravity, start => step%start%lines(step%bodies(i)%line), &
+            & end => work%kinematics%lines(step%bodies(i)%line), mean => step%mean%lines(step%bodies(i)%line))
+         before = along(step%p(at:at + 1), u0)
+         after = along(step%new_p(at:at + 1), u1)
+         arm = 0.5_wp*(along(start%moment(), u0) + along(end%moment(), u1))
+         stretch = u0 + 0.5_wp*y(at + 2)*turn(u0)
+         motion(at:at + 1) = (after - before)/h - system%model%bodies(i)%reduced%mass*gravity
+         motion(at + 2) = (step%new_p(at + 2) - step%p(at + 2) + cross(y(at:at + 1), 0.5_wp*(before + after)))/h &
+            & - cross(arm, gravity)
+         call exact_pull(own%exact, start, end, mean, step%b(at:last), step%new_b(at:last), motion(at + 3:last))
+         do k = 1, size(own%moment, 2)
+            motion(at + 2 + k) = (step%new_p(at + 2 + k) - step%p(at + 2 + k))/h - motion(at + 2 + k) &
+               & - dot_product(along(own%moment(:, k), stretch), gravity)
+         end do
+      end associate
+   end subroutine exact_balance
 
    !> Mean of the elastic force over the segment of the coordinates into the body's `eta_force`: the mean-value discrete gradient,
    !> exact for polynomials of degree four.
@@ -203,7 +213,7 @@ contains
       end do
       call gather(tangent)
       tangent%softness = 0.5_wp*step%h**2
-      call combine(tangent, (1.0_wp, 0.0_wp), cmplx(1/step%h, 0.0_wp, wp), (0.5_wp, 0.0_wp), (1.0_wp, 0.0_wp), .false.)
+      call combine(tangent, 1.0_wp, 1/step%h, 0.5_wp, 1.0_wp)
    end subroutine linearise_step
 
    !> Momenta into `mass`; twice the derivatives of minus the forces into `stiffness`.
@@ -214,8 +224,8 @@ contains
       integer, intent(in) :: i
       real(wp), intent(in) :: y(:)
       type(tangent_type), intent(inout) :: tangent
-      real(wp) :: slope(2, 3), back(2), after(2), mean(2), arm(2), change(2), shrink
-      integer :: at, last, first, n, j, k
+      real(wp) :: slope(2, 3), arm(2)
+      integer :: at, last, first, n, k
       at = system%layout%w(i)
       n = system%layout%n(i)
       last = at + 2 + n
@@ -229,11 +239,7 @@ contains
             mass = reshape([2*body%mass/h**2, 0.0_wp, 0.0_wp, 2*body%mass/h**2], [2, 2])
             return
          end if
-         shrink = 1/(1 + 0.25_wp*y(at + 2)**2)
-         back = [u0(1), -u0(2)]
-         slope(:, 1) = (back - 0.5_wp*y(at + 2)*turn(back))*(2/h)
-         slope(:, 2) = turn(slope(:, 1))
-         slope(:, 3) = -turn(into_frame(y(at:at + 1), u0))/h
+         slope = velocity_slope(h, u0, y(at:at + 2))
          if (step%bodies(i)%line > 0) then
             associate (line => work%kinematics%lines(step%bodies(i)%line))
                call line%mass_matrix([1.0_wp, 0.0_wp], scratch%mass, scratch%coupling)
@@ -246,17 +252,7 @@ contains
             call momentum_tangent(body, step%new_q(first:first + n - 1), step%new_b(at:last), scratch%mass, scratch%coupling, &
                & slope, h, mass)
          end if
-         after = along(step%new_p(at:at + 1), u1)
-         mean = 0.5_wp*(after + along(step%p(at:at + 1), u0))
-         do j = 1, 3 + n
-            change = along(mass(1:2, j), u1)
-            if (j == 3) change = change + shrink*turn(after)
-            mass(3, j) = mass(3, j) + 0.5_wp*cross(y(at:at + 1), change)
-            mass(1:2, j) = change
-         end do
-         mass(3, 1) = mass(3, 1) + mean(2)
-         mass(3, 2) = mass(3, 2) - mean(1)
-         mass = mass/h
+         call balance_tangent(h, u0, u1, y(at:last), step%p(at:at + 1), step%new_p(at:at + 1), mass)
          step%bodies(i)%eta = step%q(first:first + n - 1) + 0.5_wp*y(at + 3:last)
          if (step%bodies(i)%line > 0) then
             associate (k => step%bodies(i)%line)
@@ -270,7 +266,7 @@ contains
             call pull_tangent(body, step%bodies(i)%eta, step%b(at:last), step%new_b(at:last), slope, h, mass)
             arm = along(centre_moment(body, step%new_q(first:first + n - 1)), u1)
          end if
-         stiffness(3, 3) = shrink*dot_product(arm, gravity)
+         stiffness(3, 3) = dot_product(arm, gravity)/(1 + 0.25_wp*y(at + 2)**2)
          do k = 1, n
             stiffness(3, 3 + k) = -cross(along(scratch%coupling(k, 1:2), u1), gravity)
             stiffness(3 + k, 3) = -cross(along(step%bodies(i)%moment(:, k), u0), gravity)

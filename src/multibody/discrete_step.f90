@@ -7,7 +7,7 @@ module limber_multibody_discrete_step
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
    use limber_model_model, only: ground
-   use limber_multibody_plane_vectors, only: turn, along, cross
+   use limber_multibody_plane_vectors, only: turn, along, into_frame
    use limber_multibody_beam_axis, only: centreline_type
    use limber_multibody_constraint, only: jacobian_type
    use limber_multibody_beam_discrete_step, only: exact_step_type, new_exact_step, place_mean, mean_turn, exact_momentum
@@ -19,8 +19,7 @@ module limber_multibody_discrete_step
    use limber_multibody_system, only: system_type, workspace_type
    implicit none
    private
-   public :: discrete_step_type, new_step, begin_step, find_momenta, find_end, find_mean, frame_rates, fixed_rates, into_frame, &
-      & gauss
+   public :: discrete_step_type, new_step, begin_step, find_momenta, find_end, find_mean, frame_rates, fixed_rates, gauss
 
    !> Gauss points of a step: to degree three, that of the elastic force
    real(wp), parameter :: gauss(2) = [0.5_wp - sqrt(3.0_wp)/6, 0.5_wp + sqrt(3.0_wp)/6]
@@ -164,14 +163,6 @@ contains
          w(at:at + 1) = part
       end do
    end subroutine fixed_rates
-
-   !> Components of a vector in the frame of u.
-   pure function into_frame(a, u) result(p)
-      real(wp), intent(in) :: a(2), u(2)
-      real(wp) :: p(2)
-      p(1) = u(1)*a(1) + u(2)*a(2)
-      p(2) = cross(u, a)
-   end function into_frame
 
    !> Coordinates and rates at the end of a step: eq. (5.21).
    pure subroutine find_end(layout, step, y)

@@ -4,12 +4,12 @@
 module limber_multibody_driven_motion
    use limber_base_kinds, only: wp
    use limber_multibody_plane_vectors, only: turn
-   use limber_multibody_equations_of_motion, only: position_residual
+   use limber_multibody_equations_of_motion, only: position_residual, acceleration_gaps
    use limber_multibody_free_motions, only: rate_scales
    use limber_multibody_layout, only: advance, velocities_of
    use limber_multibody_motion_residual, only: motion_residual, linearise_motion
    use limber_multibody_system, only: system_type, workspace_type
-   use limber_multibody_tangent, only: tangent_type, new_tangent, combine, static_softness, solve_refined
+   use limber_multibody_tangent, only: tangent_type, new_tangent, combine, combine_stiffness, factor_masses, solve_refined
    implicit none
    private
    public :: driven_motion_type, new_held, factor_held, correct_motion, follows, held_position, held_motion, balance_deflections, &
@@ -71,7 +71,7 @@ contains
       call motion_residual(system, work, t, q, v, held%a, held%lambda, held%motion, held%rates)
       call linearise_motion(system, work, held%tangent, q, v, held%a, held%lambda)
       held%tangent%softness = 1.0_wp
-      call combine(held%tangent, (1.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), .false.)
+      call combine(held%tangent, 1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp)
       held%tangent%matrix%values(held%diagonal) = rigid
       call held%tangent%matrix%factor(singular)
    end subroutine factor_held
@@ -140,8 +140,7 @@ contains
          if (round == 1) then
             call linearise_motion(system, work, held%tangent, held%moved, v, a, held%lambda)
             held%tangent%softness = 1.0_wp/pace**2
-            call combine(held%tangent, cmplx(pace**2, 0.0_wp, wp), cmplx(pace, 0.0_wp, wp), (1.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), &
-               & .false.)
+            call combine(held%tangent, pace**2, pace, 1.0_wp, 0.0_wp)
             call held%tangent%matrix%factor(singular)
             if (singular) moved = huge(moved)
             if (singular) return
@@ -198,7 +197,7 @@ contains
          held%w(held%deflections) = 0.0_wp
          call velocities_of(system%layout, q, held%w, v)
          call motion_residual(system, work, t, q, v, held%a, held%lambda, held%motion, held%rates)
-         call gather_gamma(system, work)
+         call acceleration_gaps(system, work)
          solution(:nw) = -held%motion
          solution(held%deflections) = 0.0_wp
          solution(nw + 1:) = work%gamma
@@ -217,18 +216,6 @@ contains
       real(wp), parameter :: off = 1.0e-6_wp
       follows = .not. any(abs(held%rates) > off*maxval(abs(v)))
    end function follows
-
-   !> Right-hand sides of the acceleration equations at the placed and moved kinematics.
-   subroutine gather_gamma(system, work)
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(inout) :: work
-      integer :: i
-      do i = 1, size(system%constraints)
-         associate (item => system%constraints(i)%item)
-            call item%gamma(work%kinematics, work%gamma(item%first:item%first + item%rows - 1))
-         end associate
-      end do
-   end subroutine gather_gamma
 
    !> Second derivatives of the coordinates from those of the rates: u'' = alpha J u - omega^2 u.
    subroutine accelerations_of(system, work, rates, a)
@@ -266,25 +253,14 @@ contains
       real(wp), parameter :: small = 1.0e-12_wp, stalled = 1.0e-9_wp, limit = 0.3_wp
       real(wp) :: size_of, last
       integer :: round
-      logical :: singular
       last = huge(last)
       do round = 1, most
          call held_motion(system, work, held, t, q, v, a, done)
          if (.not. done) return
-         call motion_residual(system, work, t, q, v, held%a, held%lambda, held%motion, held%rates)
-         size_of = position_residual(system, work)
-         call linearise_motion(system, work, held%tangent, q, v, held%a, held%lambda)
-         held%tangent%softness = static_softness(held%tangent)
-         call combine(held%tangent, (0.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), (1.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), .false.)
-         call held%tangent%matrix%factor(singular)
-         done = .not. singular
-         if (singular) return
+         call step_to_balance(system, work, held, t, q, v, held%lambda, size_of, done)
+         if (.not. done) return
          associate (nw => system%layout%nw, solution => held%solution)
-            solution(:nw) = -held%motion
-            solution(nw + 1:) = -work%phi
-            call held%tangent%matrix%solve(solution)
             work%lambda = held%lambda + solution(nw + 1:)
-            size_of = maxval(abs(solution(:nw)/held%scale))
             done = size_of <= small .or. (size_of <= stalled .and. size_of >= 0.5_wp*last)
             last = size_of
             if (.not. size_of <= huge(size_of)) return
@@ -295,6 +271,32 @@ contains
          if (done) return
       end do
    end subroutine balance_deflections
+
+   !> Newton's step to the balance of all forces with accelerations held%a into `solution`: increments, and changes of the
+   !> multipliers.
+   subroutine step_to_balance(system, work, held, t, q, v, lambda, size_of, done)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      type(driven_motion_type), intent(inout) :: held
+      !> Time; coordinates, velocities (nq); multipliers (nc)
+      real(wp), intent(in) :: t, q(:), v(:), lambda(:)
+      !> Largest increment relative to its scale
+      real(wp), intent(out) :: size_of
+      !> False if the matrix is singular
+      logical, intent(out) :: done
+      logical :: singular
+      call motion_residual(system, work, t, q, v, held%a, lambda, held%motion, held%rates)
+      size_of = position_residual(system, work)
+      call linearise_motion(system, work, held%tangent, q, v, held%a, lambda)
+      call combine_stiffness(held%tangent, 0.0_wp)
+      call held%tangent%matrix%factor(singular)
+      done = .not. singular
+      if (singular) return
+      held%solution(:system%layout%nw) = -held%motion
+      held%solution(system%layout%nw + 1:) = -work%phi
+      call held%tangent%matrix%solve(held%solution)
+      size_of = maxval(abs(held%solution(:system%layout%nw)/held%scale))
+   end subroutine step_to_balance
 
    !> Brings deflections, frames and multipliers, near a balance already, into that with given velocities and accelerations, those
    !> of the deflections too: a round of eq. (6.21), with the residual of eq. (6.22).
@@ -311,22 +313,12 @@ contains
       real(wp), intent(inout) :: lambda(:)
       logical, intent(out) :: done
       real(wp) :: size_of
-      logical :: singular
       call velocities_of(system%layout, q, w, v)
-      call motion_residual(system, work, t, q, v, held%a, lambda, held%motion, held%rates)
-      size_of = position_residual(system, work)
-      call linearise_motion(system, work, held%tangent, q, v, held%a, lambda)
-      held%tangent%softness = static_softness(held%tangent)
-      call combine(held%tangent, (0.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), (1.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), .false.)
-      call held%tangent%matrix%factor(singular)
-      done = .not. singular
-      if (singular) return
+      call step_to_balance(system, work, held, t, q, v, lambda, size_of, done)
+      if (.not. done) return
       call accelerations_of(system, work, held%a, a)
       associate (nw => system%layout%nw, solution => held%solution)
-         solution(:nw) = -held%motion
-         solution(nw + 1:) = -work%phi
-         call held%tangent%matrix%solve(solution)
-         done = maxval(abs(solution(:nw)/held%scale)) <= 1.0_wp
+         done = size_of <= 1.0_wp
          if (.not. done) return
          lambda = lambda + solution(nw + 1:)
          call advance(system%layout, q, solution(:nw), held%moved)
@@ -375,11 +367,9 @@ contains
       held%a = 0.0_wp
       held%lambda = 0.0_wp
       call motion_residual(system, work, t, q, v, held%a, held%lambda, held%motion, held%rates)
-      if (moves) call gather_gamma(system, work)
+      if (moves) call acceleration_gaps(system, work)
       call linearise_motion(system, work, held%tangent, q, v, held%a, held%lambda)
-      held%tangent%softness = 1.0_wp
-      call combine(held%tangent, (1.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), .false.)
-      call held%tangent%matrix%factor(singular)
+      call factor_masses(held%tangent, singular)
       done = .not. singular
       if (singular) return
       associate (nw => system%layout%nw)

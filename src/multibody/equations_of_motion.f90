@@ -18,7 +18,7 @@ module limber_multibody_equations_of_motion
    implicit none
    private
    public :: linearise, linearise_placed, accelerations, accelerate, sum_forces, sum_given_forces
-   public :: position_residual, open_residual, velocity_residual, velocity_gaps
+   public :: position_residual, open_residual, velocity_residual, velocity_gaps, acceleration_gaps
    public :: input_power, power_at, add_parts_of_power, mechanical_energy, worst_constraint
 
 contains
@@ -75,11 +75,7 @@ contains
       if (present(reactions)) asked = reactions
       call move_frames(system%model, system%layout, q, v, work%kinematics)
       call sum_forces(system, work, q, v)
-      do i = 1, size(system%constraints)
-         associate (item => system%constraints(i)%item)
-            call item%gamma(work%kinematics, work%gamma(item%first:item%first + item%rows - 1))
-         end associate
-      end do
+      call acceleration_gaps(system, work)
       call solve_multiplier_system(system, work, work%gamma, a, .false.)
       if (asked) call recover_multipliers(system, work)
       do i = 1, size(work%bodies)
@@ -94,6 +90,18 @@ contains
       end do
       work%evaluations = work%evaluations + 1
    end subroutine accelerations
+
+   !> Right-hand sides of the acceleration equations into work%gamma; kinematics are placed and moved.
+   subroutine acceleration_gaps(system, work)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      integer :: i
+      do i = 1, size(system%constraints)
+         associate (item => system%constraints(i)%item)
+            call item%gamma(work%kinematics, work%gamma(item%first:item%first + item%rows - 1))
+         end associate
+      end do
+   end subroutine acceleration_gaps
 
    !> Accelerations that forces alone make, at rest and with the constraints kept; `linearise` comes first.
    subroutine accelerate(system, work, force, push)
@@ -130,7 +138,7 @@ contains
       type(workspace_type), intent(inout) :: work
       real(wp), contiguous, intent(in) :: q(:), v(:)
       integer :: i
-      call sum_given_forces(system, work, q, v)
+      call sum_given_forces(system, work, q, v, .true.)
       do i = 1, size(work%kinematics%beams)
          associate (body => work%bodies(work%kinematics%beams(i)), frame => work%kinematics%frames(work%kinematics%beams(i)))
             call work%kinematics%lines(i)%forces(system%model%gravity, frame%u, frame%omega, body%force, body%eta_force)
@@ -138,14 +146,16 @@ contains
       end do
    end subroutine sum_forces
 
-   !> The same without velocity terms and weight of exact beams.
-   subroutine sum_given_forces(system, work, q, v)
+   !> The same without velocity terms and weight: of exact beams, or of all bodies.
+   subroutine sum_given_forces(system, work, q, v, inertial)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       real(wp), contiguous, intent(in) :: q(:), v(:)
+      !> Whether bodies other than exact beams have theirs
+      logical, intent(in) :: inertial
       integer :: i, first, last, side
       logical :: heavy
-      heavy = any(abs(system%model%gravity) > 0.0_wp)
+      heavy = inertial .and. any(abs(system%model%gravity) > 0.0_wp)
       do i = 1, size(work%bodies)
          associate (body => work%bodies(i), reduced => system%model%bodies(i)%reduced, frame => work%kinematics%frames(i))
             body%force = 0.0_wp
@@ -153,7 +163,7 @@ contains
                if (heavy) body%force(1:2) = system%inertia(1, i)*system%model%gravity
                cycle
             else if (system%layout%n(i) == 0) then
-               call rigid_forces(system%inertia(:, i), system%model%gravity, frame%u, frame%omega, body%force)
+               if (inertial) call rigid_forces(system%inertia(:, i), system%model%gravity, frame%u, frame%omega, body%force)
                cycle
             end if
             first = system%layout%q(i) + 4
@@ -164,7 +174,7 @@ contains
                body%eta_force = -body%eta_force
                if (reduced%damped) call add_damping(reduced, -1.0_wp, v(first:last), body%eta_force)
             end if
-            if (reduced%is_exact) cycle
+            if (reduced%is_exact .or. .not. inertial) cycle
             call velocity_forces(reduced, frame%u, frame%omega, q(first:last), v(first:last), body%force, body%eta_force)
             if (heavy) call gravity_forces(reduced, system%model%gravity, frame%u, q(first:last), body%force, body%eta_force)
          end associate

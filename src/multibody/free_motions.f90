@@ -4,7 +4,7 @@
 module limber_multibody_free_motions
    use limber_base_kinds, only: wp
    use limber_base_finite, only: dsyev, dgeev, dgeqp3, dorgqr
-   use limber_model_model, only: ground
+   use limber_multibody_constraint_matrix, only: constraint_matrix_type, new_constraint_matrix, fill, full_matrix
    use limber_multibody_system, only: system_type, workspace_type
    use limber_multibody_tangent, only: tangent_type
    use limber_multibody_tangent_products, only: times_stiffness
@@ -50,7 +50,8 @@ contains
       type(free_motions_type), intent(inout) :: freedom
       !> The one body that deflects all the same
       integer, intent(in), optional :: but
-      real(wp), allocatable :: rows(:, :), tau(:), scratch(:), scale(:)
+      type(constraint_matrix_type) :: matrix
+      real(wp), allocatable :: full(:, :), rows(:, :), tau(:), scratch(:), scale(:)
       integer, allocatable :: pivot(:), columns(:)
       integer :: n, m, i, info
       allocate (scale(system%layout%nw))
@@ -59,8 +60,14 @@ contains
       n = size(columns)
       m = system%nc
       allocate (rows(n, max(n, m)), tau(min(n, m)), scratch(64*(n + m + 2)), pivot(m))
+      ! The Jacobian, transposed and scaled: an equation in each column
+      call new_constraint_matrix(system, .true., matrix, .true.)
+      call fill(system, work, matrix)
+      full = full_matrix(matrix)
       rows = 0.0_wp
-      call scaled_rows(system, work, scale, columns, rows)
+      do i = 1, n
+         rows(i, :m) = full(:, columns(i))*(scale(columns(i))/matrix%scale(columns(i)))
+      end do
       pivot = 0
       freedom%rank = 0
       call dgeqp3(n, m, rows, n, pivot, tau, scratch, size(scratch), info)
@@ -96,36 +103,6 @@ contains
       allocate (columns(count(moves)))
       columns = pack([(i, i=1, size(moves))], moves)
    end subroutine free_columns
-
-   !> The Jacobian, transposed and scaled: a constraint in each column.
-   subroutine scaled_rows(system, work, scale, columns, rows)
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(in) :: work
-      real(wp), intent(in) :: scale(:)
-      integer, intent(in) :: columns(:)
-      real(wp), intent(inout) :: rows(:, :)
-      real(wp), allocatable :: row(:)
-      integer :: i, k, side, body, first, m
-      allocate (row(size(scale)))
-      rows(:size(columns), :system%nc) = 0.0_wp
-      do i = 1, size(system%constraints)
-         associate (item => system%constraints(i)%item)
-            do k = 1, item%rows
-               row = 0.0_wp
-               do side = 1, 2
-                  body = item%bodies(side)
-                  if (body == ground) cycle
-                  first = system%layout%w(body)
-                  m = system%layout%rates(body)
-                  row(first:first + m - 1) = row(first:first + m - 1) + work%jacobians(side, i)%z(k, :m)
-                  row(first + m:first + m + system%layout%n(body) - 1) = work%jacobians(side, i)%eta(k, :)
-               end do
-               row = row*scale/item%scale
-               rows(:size(columns), item%first + k - 1) = rows(:size(columns), item%first + k - 1) + row(columns)
-            end do
-         end associate
-      end do
-   end subroutine scaled_rows
 
    !> The stiffness of the scene on the motions that are left, (number, number).
    subroutine free_stiffness(system, tangent, freedom, stiffness)

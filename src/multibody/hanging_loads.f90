@@ -3,8 +3,9 @@
 !> (6.7), (6.15), (6.16).
 module limber_multibody_hanging_loads
    use limber_base_kinds, only: wp
-   use limber_multibody_equilibrium, only: equilibrium_type, new_equilibrium, find_equilibrium, judge
+   use limber_multibody_equilibrium, only: equilibrium_type, new_equilibrium, find_equilibrium
    use limber_multibody_driven_motion, only: driven_motion_type, held_motion
+   use limber_multibody_stability, only: judge
    use limber_multibody_system, only: system_type, workspace_type
    implicit none
    private

@@ -9,7 +9,9 @@ module limber_multibody_known_bodies
    use limber_multibody_point_joints, only: revolute_type, point_on_line_type
    use limber_multibody_function_constraints, only: linear_type
    use limber_multibody_kinematics, only: kinematics_type, new_kinematics, place_frames
+   use limber_multibody_layout, only: guess_place
    use limber_multibody_marker_registry, only: registry_type
+   use limber_multibody_spanning_tree, only: spanning_tree_type
    implicit none
    private
    public :: known_bodies_type, new_holding, find_grip, split_motion
@@ -21,8 +23,8 @@ module limber_multibody_known_bodies
    type :: known_bodies_type
       !> True if there is anything of the kind
       logical :: useful = .false.
-      !> First constraint side at each body, and the next one there: number 2 (c - 1) + s; 0: none (bodies; 2 constraints)
-      integer, allocatable :: first(:), next(:)
+      !> Which constraints can be solved for the motion of a body (constraints)
+      logical, allocatable :: suits(:)
       !> Rows on r' and omega, the latter times the length of the scene, of either side (3, 3, 2, constraints)
       real(wp), allocatable :: rows(:, :, :, :)
    end type known_bodies_type
@@ -36,29 +38,21 @@ contains
       type(known_bodies_type), intent(out) :: holding
       type(kinematics_type) :: kinematics
       type(jacobian_type) :: first, second
-      logical :: suits(size(constraints))
-      integer :: c, s, body
+      real(wp) :: q(registry%layout%nq)
+      integer :: c
+      allocate (holding%suits(size(constraints)))
       do c = 1, size(constraints)
-         suits(c) = is_suitable(registry, constraints, c)
-         if (suits(c)) holding%useful = holding%useful .or. is_needed(registry, constraints, c)
+         holding%suits(c) = is_suitable(registry, constraints, c)
+         if (holding%suits(c)) holding%useful = holding%useful .or. is_needed(registry, constraints, c)
       end do
       if (.not. holding%useful) return
-      allocate (holding%first(size(registry%layout%q)), holding%next(2*size(constraints)), &
-         & holding%rows(3, 3, 2, size(constraints)))
-      holding%first = 0
-      holding%next = 0
-      holding%rows = 0.0_wp
+      allocate (holding%rows(3, 3, 2, size(constraints)), source=0.0_wp)
       kinematics = new_kinematics(registry%model, registry%marker_points, registry%angles, registry%bends)
-      call guess_place(registry, kinematics)
-      do c = size(constraints), 1, -1
-         if (.not. suits(c)) cycle
+      call guess_place(registry%model, registry%layout, q)
+      call place_frames(registry%model, registry%layout, registry%model%dynamics%start, q, kinematics)
+      do c = 1, size(constraints)
+         if (.not. holding%suits(c)) cycle
          associate (item => constraints(c)%item)
-            do s = 2, 1, -1
-               body = item%bodies(s)
-               if (body == ground) cycle
-               holding%next(2*(c - 1) + s) = holding%first(body)
-               holding%first(body) = 2*(c - 1) + s
-            end do
             first = new_jacobian(item%rows, coordinates(item%bodies(1)))
             second = new_jacobian(item%rows, coordinates(item%bodies(2)))
             call item%jacobian(kinematics, first, second)
@@ -83,22 +77,6 @@ contains
       end function coordinates
 
    end subroutine new_holding
-
-   !> Everything in the first guess, undeformed.
-   subroutine guess_place(registry, kinematics)
-      class(registry_type), intent(in) :: registry
-      type(kinematics_type), intent(inout) :: kinematics
-      real(wp), allocatable :: q(:)
-      integer :: i
-      allocate (q(registry%layout%nq), source=0.0_wp)
-      do i = 1, size(registry%layout%q)
-         associate (body => registry%model%bodies(i), first => registry%layout%q(i))
-            q(first:first + 1) = body%position
-            if (registry%layout%framed(i)) q(first + 2:first + 3) = [cos(body%angle), sin(body%angle)]
-         end associate
-      end do
-      call place_frames(registry%model, registry%layout, registry%model%dynamics%start, q, kinematics)
-   end subroutine guess_place
 
    !> Whether a constraint can be solved for the motion of one of its bodies: its rows on a body are those of a frame, whatever
    !> the deflection, and lose rank only where the whole scene does.
@@ -166,8 +144,9 @@ contains
 
    !> Constraints that hold a body on what is known, each of them wholly: their rows on r' are independent by themselves, or a row
    !> is on the rotation alone. So the way round a loop, which may fold, is left to the multipliers.
-   pure subroutine find_grip(holding, constraints, known, body, rates, list, count, rows)
+   pure subroutine find_grip(holding, span, constraints, known, body, rates, list, count, rows)
       type(known_bodies_type), intent(in) :: holding
+      type(spanning_tree_type), intent(in) :: span
       type(constraint_item_type), intent(in) :: constraints(:)
       !> Whether the motion of a body is known, and it is rigid (0:bodies); of the ground it is
       logical, intent(in) :: known(0:)
@@ -183,11 +162,12 @@ contains
       rows = 0
       shifts = 0
       turns = .false.
-      number = holding%first(body)
+      number = span%first(body)
       do while (number > 0 .and. rows < rates)
          c = (number + 1)/2
          s = number - 2*(c - 1)
-         number = holding%next(number)
+         number = span%next(number)
+         if (.not. holding%suits(c)) cycle
          if (.not. known(constraints(c)%item%bodies(3 - s))) cycle
          tried = shifts
          turned = turns

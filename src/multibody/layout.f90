@@ -6,7 +6,7 @@ module limber_multibody_layout
    use limber_multibody_plane_vectors, only: cross
    implicit none
    private
-   public :: layout_type, new_layout, rates_of, velocities_of, advance
+   public :: layout_type, new_layout, guess_place, rates_of, velocities_of, advance, normalise_frames
 
    !> Where each body's coordinates stand. In q and v a body has [r (2); u (2); eta (n)], a point mass r only; the
    !> independent rates have [r' (2); omega] for the frame, or r' only.
@@ -45,6 +45,22 @@ contains
          layout%nw = layout%nw + layout%rates(i) + layout%n(i)
       end do
    end function new_layout
+
+   !> Coordinates as the model guesses them, undeformed.
+   pure subroutine guess_place(model, layout, q)
+      type(model_type), intent(in) :: model
+      type(layout_type), intent(in) :: layout
+      !> Coordinates (nq)
+      real(wp), intent(out) :: q(:)
+      integer :: i
+      q = 0.0_wp
+      do i = 1, size(layout%q)
+         associate (body => model%bodies(i), first => layout%q(i))
+            q(first:first + 1) = body%position
+            if (layout%framed(i)) q(first + 2:first + 3) = [cos(body%angle), sin(body%angle)]
+         end associate
+      end do
+   end subroutine guess_place
 
    !> Independent rates w of velocities v at q: omega in place of u'.
    pure subroutine rates_of(layout, q, v, w)
@@ -103,6 +119,20 @@ contains
          moved(to + 4:to + 3 + layout%n(i)) = q(to + 4:to + 3 + layout%n(i)) + change(from + 3:from + 2 + layout%n(i))
       end do
    end subroutine advance
+
+   !> Brings every frame's u to unit length.
+   pure subroutine normalise_frames(layout, q)
+      type(layout_type), intent(in) :: layout
+      !> Coordinates (nq)
+      real(wp), intent(inout) :: q(:)
+      integer :: i
+      do i = 1, size(layout%q)
+         if (.not. layout%framed(i)) cycle
+         associate (first => layout%q(i) + 2)
+            q(first:first + 1) = q(first:first + 1)/sqrt(q(first)**2 + q(first + 1)**2)
+         end associate
+      end do
+   end subroutine normalise_frames
 
    !> Cosine and sine of an angle, by their series where it is as small as in a step: at a third of the cost.
    pure subroutine find_turn(angle, c, s)

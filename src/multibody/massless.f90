@@ -4,8 +4,7 @@ module limber_multibody_massless
    use limber_base_kinds, only: wp
    use limber_base_finite, only: dgesvd
    use limber_multibody_constraint_matrix, only: constraint_matrix_type, new_constraint_matrix, fill, full_matrix, small_scene
-   use limber_multibody_kinematics, only: place_frames
-   use limber_multibody_multiplier_system, only: update_jacobians
+   use limber_multibody_multiplier_system, only: place_constraints
    use limber_multibody_system, only: system_type, workspace_type
    implicit none
    private
@@ -41,11 +40,10 @@ contains
          return
       end if
       call new_constraint_matrix(system, .true., matrix, .true.)
-      call place_frames(system%model, system%layout, t, q, work%kinematics)
-      call update_jacobians(system, work)
+      call place_constraints(system, work, t, q)
       call fill(system, work, matrix)
       allocate (motions(matrix%columns, n))
-      call list_massless(system, q, matrix%place(:matrix%columns), matrix%scale(:matrix%columns), motions, owner, turning)
+      call list_massless(system, q, matrix%rate(:matrix%columns), matrix%scale(:matrix%columns), motions, owner, turning)
       allocate (rates(system%nc + n, n), source=0.0_wp)
       rates(:system%nc, :) = matmul(full_matrix(matrix), motions)
       m = size(rates, 1)
@@ -78,21 +76,22 @@ contains
    end function no_inertia
 
    !> These motions in the scaled columns of the constraint matrix, of norm one; the body of each, and whether it turns.
-   subroutine list_massless(system, q, place, scale, motions, owner, turning)
+   subroutine list_massless(system, q, rate, scale, motions, owner, turning)
       type(system_type), intent(in) :: system
       real(wp), intent(in) :: q(:)
-      !> Place of each column in q, and its scale (columns)
-      integer, intent(in) :: place(:)
+      !> Rate of each column, and its scale (columns)
+      integer, intent(in) :: rate(:)
       real(wp), intent(in) :: scale(:)
       !> (columns, motions)
       real(wp), allocatable, intent(inout) :: motions(:, :)
       integer, intent(out) :: owner(:)
       logical, intent(out) :: turning(:)
-      real(wp) :: motion(size(q)), arm(2)
-      integer :: i, j, k, first
+      real(wp) :: motion(system%layout%nw), arm(2)
+      integer :: i, j, k, first, at
       k = 0
       do i = 1, size(system%layout%q)
-         first = system%layout%q(i)
+         first = system%layout%w(i)
+         at = system%layout%q(i) + 2
          if (.not. system%inertia(1, i) > 0.0_wp) then
             do j = 0, 1
                motion = 0.0_wp
@@ -103,7 +102,7 @@ contains
          if (.not. (system%layout%framed(i) .and. no_inertia(system%inertia(:, i)))) cycle
          arm = 0.0_wp
          if (system%inertia(1, i) > 0.0_wp) arm = system%inertia(2:3, i)/system%inertia(1, i)
-         associate (u => q(first + 2:first + 3))
+         associate (u => q(at:at + 1))
             motion = 0.0_wp
             motion(first) = u(2)*arm(1) + u(1)*arm(2)
             motion(first + 1) = -u(1)*arm(1) + u(2)*arm(2)
@@ -119,8 +118,8 @@ contains
          k = k + 1
          owner(k) = i
          turning(k) = turn
-         if (size(place) == 0) return
-         motions(:, k) = motion(place)/scale
+         if (size(rate) == 0) return
+         motions(:, k) = motion(rate)/scale
          motions(:, k) = motions(:, k)/max(tiny(1.0_wp), norm2(motions(:, k)))
       end subroutine put
 

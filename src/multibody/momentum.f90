@@ -4,13 +4,13 @@
 module limber_multibody_momentum
    use limber_base_kinds, only: wp
    use limber_beam_reduced_body, only: reduced_type, rotary_row, rotary_square
-   use limber_multibody_plane_vectors, only: turn, cross
+   use limber_multibody_plane_vectors, only: turn, along, into_frame, cross
    use limber_multibody_body, only: centre_moment
    use limber_multibody_beam_axis, only: centreline_type, new_centreline
    use limber_multibody_system, only: system_type
    implicit none
    private
-   public :: body_momentum, inertia_pull, momentum_tangent, pull_tangent, total_momentum
+   public :: body_momentum, balance, velocity_slope, momentum_tangent, balance_tangent, pull_tangent, total_momentum
 
 contains
 
@@ -42,25 +42,56 @@ contains
       p(3) = p(3) + inertia*w(3)
    end subroutine body_momentum
 
-   !> w0.(dM/deta) w1 / 2: what the growth of the inertia with eta adds to the momenta of eta.
-   pure subroutine inertia_pull(body, eta, w0, w1, pull)
+   !> Change of the momenta of a body over a step less its weight and the pull of its growing inertia, eq. (5.23): the residual of a
+   !> body on which nothing else acts.
+   pure subroutine balance(body, n, h, gravity, u0, u1, eta, y, b, new_b, p, new_p, motion)
       type(reduced_type), intent(in) :: body
-      !> Coordinates (n), two sets of rates in the axes of the frame (3 + n)
-      real(wp), intent(in) :: eta(:), w0(:), w1(:)
-      !> (n)
-      real(wp), intent(inout) :: pull(:)
-      real(wp) :: cross_speed(2), part
+      integer, intent(in) :: n
+      !> Step; frames' vectors at both ends (2), coordinates at the start (n)
+      real(wp), intent(in) :: h, gravity(2), u0(2), u1(2), eta(n)
+      !> Increments, rates and momenta at both ends (3 + n)
+      real(wp), intent(in) :: y(3 + n), b(3 + n), new_b(3 + n), p(3 + n), new_p(3 + n)
+      real(wp), intent(inout) :: motion(3 + n)
+      real(wp) :: before(2), after(2), c0(2), c1(2), arm(2), stretch(2), own(2), speed(2), spin, part, inverse
       integer :: j, k
-      cross_speed = w0(3)*w1(1:2) + w1(3)*w0(1:2)
-      do k = 1, body%n
-         part = body%c(1, k)*cross_speed(2) - body%c(2, k)*cross_speed(1) + 2*(body%d(k) + eta(k))*w0(3)*w1(3)
-         do j = 1, body%n
-            part = part - body%skew(j, k)*(w1(3)*w0(3 + j) + w0(3)*w1(3 + j))
-         end do
-         if (body%spinning) part = part - 2*rotary_row(body, k, eta)*w0(3)*w1(3)
-         pull(k) = 0.5_wp*part
+      inverse = 1/h
+      before = along(p(1:2), u0)
+      after = along(new_p(1:2), u1)
+      c0 = body%c0
+      do k = 1, n
+         c0 = c0 + body%c(:, k)*eta(k)
       end do
-   end subroutine inertia_pull
+      c1 = c0
+      do k = 1, n
+         c1 = c1 + body%c(:, k)*y(3 + k)
+      end do
+      arm = 0.5_wp*(along(c0, u0) + along(c1, u1))
+      stretch = u0 + 0.5_wp*y(3)*turn(u0)
+      motion(1:2) = (after - before)*inverse - body%mass*gravity
+      motion(3) = (new_p(3) - p(3) + 0.5_wp*cross(y(1:2), before + after))*inverse - cross(arm, gravity)
+      own = into_frame(gravity, stretch)
+      speed = b(3)*new_b(1:2) + new_b(3)*b(1:2)
+      spin = b(3)*new_b(3)
+      do k = 1, n
+         part = body%c(1, k)*speed(2) - body%c(2, k)*speed(1) + 2*(body%d(k) + eta(k) + 0.5_wp*y(3 + k))*spin
+         do j = 1, n
+            part = part - body%skew(j, k)*(new_b(3)*b(3 + j) + b(3)*new_b(3 + j))
+         end do
+         if (body%spinning) part = part - (2*rotary_row(body, k, eta) + rotary_row(body, k, y(4:)))*spin
+         motion(3 + k) = (new_p(3 + k) - p(3 + k))*inverse - 0.5_wp*part - body%c(1, k)*own(1) - body%c(2, k)*own(2)
+      end do
+   end subroutine balance
+
+   !> Derivative of the velocity at the end of a step, in the axes of the frame, by dr and alpha (2,3).
+   pure function velocity_slope(h, u0, y) result(slope)
+      !> Length of the step, vector of the frame at its start (2), increments of the frame (3)
+      real(wp), intent(in) :: h, u0(2), y(3)
+      real(wp) :: slope(2, 3), back(2)
+      back = [u0(1), -u0(2)]
+      slope(:, 1) = (back - 0.5_wp*y(3)*turn(back))*(2/h)
+      slope(:, 2) = turn(slope(:, 1))
+      slope(:, 3) = -turn(into_frame(y(1:2), u0))/h
+   end function velocity_slope
 
    !> Derivative of the momenta at the end of a step by its increments y = [dr; alpha; deta].
    pure subroutine momentum_tangent(body, eta, w, frame, coupling, slope, h, tangent)
@@ -95,7 +126,31 @@ contains
       end do
    end subroutine momentum_tangent
 
-   !> Takes the derivative of `inertia_pull` at the mean of the coordinates by the increments from a matrix.
+   !> Makes derivatives of the momenta at the end, in the axes of the frame, to those of their change in `balance`.
+   pure subroutine balance_tangent(h, u0, u1, y, p, new_p, tangent)
+      !> Length of the step; vectors of the frame (2), increments (3 + n), momenta at both ends (2)
+      real(wp), intent(in) :: h, u0(2), u1(2), y(:), p(2), new_p(2)
+      !> (3 + n, 3 + n)
+      real(wp), intent(inout) :: tangent(:, :)
+      real(wp) :: after(2), mean(2), change(2), shrink
+      integer :: j, m
+      m = size(y)
+      shrink = 1/(1 + 0.25_wp*y(3)**2)
+      after = along(new_p, u1)
+      mean = 0.5_wp*(after + along(p, u0))
+      do j = 1, m
+         change = along(tangent(1:2, j), u1)
+         if (j == 3) change = change + shrink*turn(after)
+         tangent(3, j) = tangent(3, j) + 0.5_wp*cross(y(1:2), change)
+         tangent(1:2, j) = change
+      end do
+      tangent(3, 1) = tangent(3, 1) + mean(2)
+      tangent(3, 2) = tangent(3, 2) - mean(1)
+      tangent(:m, :m) = tangent(:m, :m)/h
+   end subroutine balance_tangent
+
+   !> Takes the derivative of the pull of the growing inertia, w0.(dM/deta) w1 / 2 at the mean of the coordinates, by the increments
+   !> from a matrix.
    pure subroutine pull_tangent(body, eta, w0, w1, slope, h, tangent)
       type(reduced_type), intent(in) :: body
       !> Mean coordinates (n), rates at both ends (3 + n)

@@ -5,7 +5,7 @@ module limber_multibody_motion_residual
    use limber_base_kinds, only: wp
    use limber_beam_elastic_forces, only: elastic_tangent
    use limber_model_model, only: ground
-   use limber_multibody_body, only: body_tangent
+   use limber_multibody_body, only: body_tangent, inertia_forces
    use limber_multibody_beam_residual, only: add_beam_residual
    use limber_multibody_beam_axis_tangent, only: add_centreline_tangent
    use limber_multibody_equations_of_motion, only: sum_given_forces
@@ -20,7 +20,7 @@ module limber_multibody_motion_residual
 
 contains
 
-   !> Places kinematics, Jacobians and masses, but those of exact beams, at a state: what `linearise_motion` needs.
+   !> Places kinematics and Jacobians at a state: what `linearise_motion` needs.
    subroutine place_motion(system, work, t, q, v, passing)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
@@ -39,7 +39,6 @@ contains
          call move_frames(system%model, system%layout, q, v, work%kinematics)
       end if
       call place_jacobians(system, work)
-      call update_masses(system, work, q)
    end subroutine place_motion
 
    !> Residual of the equations of motion, M a - forces + G^T lambda (nw), and of the velocity equations, G w - rate (nc), at a
@@ -55,34 +54,10 @@ contains
       logical, intent(in), optional :: passing
       integer :: i, first, n, j, k, m
       call place_motion(system, work, t, q, v, passing)
-      call sum_given_forces(system, work, q, v)
+      call sum_given_forces(system, work, q, v, .false.)
       work%evaluations = work%evaluations + 1
       do i = 1, size(work%bodies)
-         associate (body => work%bodies(i))
-            first = system%layout%w(i)
-            m = system%layout%rates(i)
-            n = system%layout%n(i)
-            if (system%model%bodies(i)%reduced%is_exact) then
-               motion(first:first + 2) = -body%force
-               motion(first + 3:first + 2 + n) = -body%eta_force
-               cycle
-            end if
-            do j = 1, m
-               motion(first + j - 1) = -body%force(j)
-               do k = 1, m
-                  motion(first + j - 1) = motion(first + j - 1) + body%mass(j, k)*a(first + k - 1)
-               end do
-               do k = 1, n
-                  motion(first + j - 1) = motion(first + j - 1) + body%coupling(k, j)*a(first + m + k - 1)
-               end do
-            end do
-            do k = 1, n
-               motion(first + m + k - 1) = a(first + m + k - 1) - body%eta_force(k)
-               do j = 1, m
-                  motion(first + m + k - 1) = motion(first + m + k - 1) + body%coupling(k, j)*a(first + j - 1)
-               end do
-            end do
-         end associate
+         call body_residual(system, work, i, q, v, a, motion)
       end do
       do i = 1, size(work%kinematics%beams)
          first = system%layout%w(work%kinematics%beams(i))
@@ -113,6 +88,38 @@ contains
          end associate
       end do
    end subroutine motion_residual
+
+   !> The part of a body; of an exact beam its elastic forces and loads alone.
+   subroutine body_residual(system, work, i, q, v, a, motion)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      integer, intent(in) :: i
+      real(wp), contiguous, intent(in) :: q(:), v(:), a(:)
+      real(wp), contiguous, intent(inout) :: motion(:)
+      integer :: first, at, m, n, k
+      first = system%layout%w(i)
+      at = system%layout%q(i) + 4
+      m = system%layout%rates(i)
+      n = system%layout%n(i)
+      associate (body => work%bodies(i), reduced => system%model%bodies(i)%reduced, frame => work%kinematics%frames(i))
+         if (reduced%is_exact) then
+            motion(first:first + 2 + n) = 0.0_wp
+         else if (system%layout%framed(i)) then
+            call inertia_forces(reduced, n, system%model%gravity, frame%u, q(at:), frame%omega, v(at:), a(first:), a(first + 2), &
+               & a(first + 3:), motion(first:))
+         else
+            motion(first:first + 1) = reduced%mass*(a(first:first + 1) - system%model%gravity)
+         end if
+         ! What is left of the forces
+         do k = 1, m
+            motion(first + k - 1) = motion(first + k - 1) - body%force(k)
+            body%force(k) = -motion(first + k - 1)
+         end do
+         do k = 1, n
+            motion(first + m + k - 1) = motion(first + m + k - 1) - body%eta_force(k)
+         end do
+      end associate
+   end subroutine body_residual
 
    !> Adds the forces of constraint equations on one of their bodies, and the speed that it gives them.
    pure subroutine add_side(rows, rates, n, z, eta, lambda, velocity, omega, eta_rates, motion, speed)
@@ -148,6 +155,7 @@ contains
       !> As in `motion_residual`
       real(wp), contiguous, intent(in) :: q(:), v(:), a(:), lambda(:)
       integer :: i
+      call update_masses(system, work, q)
       if (system%exact) then
          call update_beam_masses(work)
          call update_eta_masses(work)

@@ -4,6 +4,7 @@
 module limber_multibody_multiplier_solution
    use limber_base_kinds, only: wp
    use limber_model_model, only: ground
+   use limber_multibody_compliant_constraints, only: refine, next_correction, rounds
    use limber_multibody_unit_mass_coordinates, only: to_unit_mass, from_unit_mass
    use limber_multibody_multiplier_system, only: side_at
    use limber_multibody_system, only: system_type, workspace_type, body_workspace_type
@@ -81,33 +82,18 @@ contains
       call set_bias(system, work, gamma)
       call set_right_side(system, work, gamma, still)
       call work%matrix%solve(work%solution)
-      if (system%redundant) call refine(system, work, still)
+      if (system%redundant) then
+         associate (free => system%tree%free)
+            call refine(work%matrix, free, system%slack, work%solution, work%correction)
+            if (.not. still) then
+               ! The last correction, and all before it, have the part of the multipliers that balances nothing, eq. (4.35)
+               call next_correction(work%matrix, free, system%slack, work%correction)
+               work%solution(free + 1:) = work%solution(free + 1:) - (rounds + 1)*work%correction(free + 1:)
+            end if
+         end associate
+      end if
       call expand(system, work, a)
    end subroutine solve_multiplier_system
-
-   !> Takes out of the accelerations what constraints that give way have let pass, eq. (4.34), and out of the multipliers what
-   !> balances nothing, eq. (4.35).
-   subroutine refine(system, work, still)
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(inout) :: work
-      !> Whether all forces are zero: then multipliers are not asked for
-      logical, intent(in) :: still
-      integer, parameter :: rounds = 2
-      integer :: round, i
-      work%correction(system%tree%free + 1:) = work%solution(system%tree%free + 1:)
-      do round = 1, merge(rounds, rounds + 1, still)
-         work%correction(:system%tree%free) = 0.0_wp
-         do i = 1, system%nc
-            work%correction(system%tree%free + i) = -system%slack(i)*work%correction(system%tree%free + i)
-         end do
-         call work%matrix%solve(work%correction)
-         if (round <= rounds) work%solution = work%solution + work%correction
-      end do
-      if (still) return
-      ! The last correction, and all before it, have this part of the first solution
-      work%solution(system%tree%free + 1:) = work%solution(system%tree%free + 1:) - (rounds + 1)*work%correction(system%tree%free &
-         & + 1:)
-   end subroutine refine
 
    !> The same without forces, and with all frames that hang in their places: only the other constraints have a right-hand side.
    subroutine solve_gaps(system, work, gaps, a)
@@ -337,7 +323,7 @@ contains
    subroutine recover_multipliers(system, work)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
-      integer :: i, j, k, row
+      integer :: i, j, k, row, placed
       real(wp) :: left(3), sign
       associate (tree => system%tree)
          do k = 1, size(tree%equations)
@@ -350,10 +336,11 @@ contains
                call find_left(size(body%rows), body%rows, body%mass, body%frame_rows, body%condensed, body%acceleration, &
                   & work%solution, left)
             end associate
-            j = tree%first(i)
+            j = tree%span%first(i)
             do while (j > 0)
-               call take_borne(system, work, j, left)
-               j = tree%next(j)
+               placed = tree%body((j + 1)/2)
+               if (placed /= 0 .and. placed /= i) call take_borne(system, work, j, left)
+               j = tree%span%next(j)
             end do
             if (tree%grip(i) > 0) then
                call recover_held(system, work, i, left)

@@ -13,14 +13,27 @@ module limber_multibody_multiplier_system
    use limber_model_model, only: ground
    use limber_multibody_body, only: body_mass, rigid_mass
    use limber_multibody_constraint, only: jacobian_type
+   use limber_multibody_kinematics, only: place_frames
    use limber_multibody_unit_mass_coordinates, only: to_unit_mass
    use limber_multibody_known_bodies, only: split_motion
    use limber_multibody_system, only: system_type, workspace_type
    implicit none
    private
-   public :: place_jacobians, update_jacobians, update_masses, update_beam_masses, factor_multiplier_system, side_at
+   public :: place_constraints, place_jacobians, update_jacobians, update_masses, update_beam_masses, factor_multiplier_system, &
+      & side_at
 
 contains
+
+   !> Kinematics and Jacobians at (t, q).
+   subroutine place_constraints(system, work, t, q)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: t
+      !> Coordinates (nq)
+      real(wp), contiguous, intent(in) :: q(:)
+      call place_frames(system%model, system%layout, t, q, work%kinematics)
+      call update_jacobians(system, work)
+   end subroutine place_constraints
 
    !> Jacobians of all constraints at the placed kinematics.
    subroutine place_jacobians(system, work)

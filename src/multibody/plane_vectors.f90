@@ -4,7 +4,7 @@ module limber_multibody_plane_vectors
    use limber_base_kinds, only: wp
    implicit none
    private
-   public :: axis_of, turn, along, cross
+   public :: axis_of, turn, along, into_frame, cross
 
 contains
 
@@ -23,6 +23,14 @@ contains
       b(1) = p(1)*u(1) - p(2)*u(2)
       b(2) = p(1)*u(2) + p(2)*u(1)
    end function along
+
+   !> Components of a vector in the frame of u.
+   pure function into_frame(a, u) result(p)
+      real(wp), intent(in) :: a(2), u(2)
+      real(wp) :: p(2)
+      p(1) = u(1)*a(1) + u(2)*a(2)
+      p(2) = cross(u, a)
+   end function into_frame
 
    !> a x b = a1 b2 - a2 b1.
    pure real(wp) function cross(a, b)

@@ -4,7 +4,7 @@
 module limber_multibody_projection
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
-   use limber_model_model, only: point_type, ground
+   use limber_model_model, only: ground
    use limber_multibody_plane_vectors, only: along, cross
    use limber_multibody_assembly_newton, only: close_positions
    use limber_multibody_drivers, only: driven_angle_type
@@ -12,7 +12,8 @@ module limber_multibody_projection
    use limber_multibody_equations_of_motion, only: linearise, linearise_placed, position_residual, open_residual, &
       & velocity_residual, velocity_gaps
    use limber_multibody_kinematics, only: place_drives, place_frames
-   use limber_multibody_point_motion, only: point_position, point_velocity
+   use limber_multibody_layout, only: normalise_frames
+   use limber_multibody_point_motion, only: point_velocity
    use limber_multibody_multiplier_system, only: update_jacobians
    use limber_multibody_multiplier_solution, only: solve_multiplier_system, solve_gaps
    use limber_multibody_system, only: system_type, workspace_type
@@ -25,7 +26,7 @@ module limber_multibody_projection
    !> Most rounds of Newton's method
    integer, parameter :: most_rounds = 6
 
-   public :: project_state, project_position, project_velocity, settle, settle_position, settle_place, normalise_frames, &
+   public :: project_state, project_position, project_velocity, settle, settle_position, settle_place, &
       & list_unplaced, place_known
 
 contains
@@ -46,16 +47,16 @@ contains
       real(wp), intent(out) :: residual
       type(error_type), allocatable, intent(out) :: error
       real(wp) :: before
-      call project_position(system, work, t, q, change, aim, before, residual)
+      call project_position(system, work, t, q, change, .false., most_rounds, aim, before, residual, error)
       ! One that is no number is beyond it, too
       if (.not. residual <= limit) return
       call linearise_placed(system, work, t, q, error)
       if (.not. allocated(error)) call project_velocity(system, work, v, change)
    end subroutine project_state
 
-   !> Moves q onto the constraints, least in the mass norm, by Newton steps with the factors at hand; the frames'
-   !> vectors are brought to unit length. Leaves the kinematics placed at the new q.
-   subroutine project_position(system, work, t, q, change, tolerance, before, residual)
+   !> Moves q onto the constraints, least in the mass norm, by Newton steps; the frames' vectors are brought to unit length. Leaves
+   !> the kinematics placed at the new q.
+   subroutine project_position(system, work, t, q, change, fresh, most, tolerance, before, residual, error)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       real(wp), intent(in) :: t
@@ -63,38 +64,22 @@ contains
       real(wp), contiguous, intent(inout) :: q(:)
       !> Scratch (nq)
       real(wp), contiguous, intent(inout) :: change(:)
+      !> Whether the system is linearised at the first place; else the factors at hand serve, which are of a state near by
+      logical, intent(in) :: fresh
+      !> Most steps
+      integer, intent(in) :: most
       !> Residual relative to the constraints' scales that is small enough
       real(wp), intent(in) :: tolerance
       !> Residual at first, with all frames of the tree in their places, and residual reached
       real(wp), intent(out) :: before, residual
-      call put_together(system, work, t, q)
-      call project_placed(system, work, t, q, change, tolerance, most_rounds, before, residual)
-   end subroutine project_position
-
-   !> Frames of unit length, all that follows, hangs or is driven in its place, and the kinematics there.
-   subroutine put_together(system, work, t, q)
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(inout) :: work
-      real(wp), intent(in) :: t
-      !> Coordinates (nq)
-      real(wp), contiguous, intent(inout) :: q(:)
-      call normalise_frames(system, q)
-      call place_tree(system, work, t, q)
-      call place_frames(system%model, system%layout, t, q, work%kinematics)
-   end subroutine put_together
-
-   !> The rounds of `project_position`; kinematics are placed, and what hangs or is driven is in its place.
-   subroutine project_placed(system, work, t, q, change, tolerance, most, before, residual)
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(inout) :: work
-      real(wp), intent(in) :: t
-      real(wp), contiguous, intent(inout) :: q(:), change(:)
-      real(wp), intent(in) :: tolerance
-      !> Most rounds
-      integer, intent(in) :: most
-      real(wp), intent(out) :: before, residual
+      type(error_type), allocatable, intent(out) :: error
       real(wp) :: last
       integer :: round, i
+      call put_together(system, work, t, q)
+      before = 0.0_wp
+      residual = 0.0_wp
+      if (fresh) call linearise_placed(system, work, t, q, error)
+      if (allocated(error)) return
       residual = open_residual(system, work)
       before = residual
       do round = 1, most
@@ -113,7 +98,19 @@ contains
          call go_back(system, work, t, q, change, residual)
          return
       end do
-   end subroutine project_placed
+   end subroutine project_position
+
+   !> Frames of unit length, all that follows, hangs or is driven in its place, and the kinematics there.
+   subroutine put_together(system, work, t, q)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: t
+      !> Coordinates (nq)
+      real(wp), contiguous, intent(inout) :: q(:)
+      call normalise_frames(system%layout, q)
+      call place_tree(system, work, t, q)
+      call place_frames(system%model, system%layout, t, q, work%kinematics)
+   end subroutine put_together
 
    !> Takes a way back on which the factors have led astray.
    subroutine go_back(system, work, t, q, change, residual)
@@ -137,61 +134,109 @@ contains
       real(wp), intent(in) :: t
       !> Coordinates (nq)
       real(wp), contiguous, intent(inout) :: q(:)
-      integer :: i, j, k, first
+      integer :: k
       call place_drives(system%model, t, work%kinematics)
-      associate (tree => system%tree)
-         do k = 1, size(tree%order)
-            i = tree%order(k)
-            first = system%layout%q(i)
-            if (tree%joint(i) > 0) call hang_origin(system, work, i, q)
-            if (tree%driver(i) > 0) call head_frame(tree%driver(i))
-            if (tree%grip(i) > 0) then
-               do j = 1, size(tree%holders, 1)
-                  if (tree%holders(j, i) == 0) exit
-                  call head_frame(tree%holders(j, i))
-               end do
-            end if
-            if (tree%axes(1, i) > 0) then
-               do j = 1, 2
-                  q(first + j - 1) = work%kinematics%drives(tree%axes(j, i))%value
-               end do
-            end if
-         end do
-      end associate
-
-   contains
-
-      !> To where a driver turns it, if the constraint is one.
-      subroutine head_frame(constraint)
-         integer, intent(in) :: constraint
-         select type (item => system%constraints(constraint)%item)
-         type is (driven_angle_type)
-            q(first + 2:first + 3) = work%kinematics%drives(item%drive)%heading
-         end select
-      end subroutine head_frame
-
+      do k = 1, size(system%tree%order)
+         if (system%tree%plain(system%tree%order(k))) cycle
+         call place_body(system, work, system%tree%order(k), .true., q)
+      end do
    end subroutine place_tree
 
-   !> Puts the origin of a frame where it hangs: at a point of a rigid body, or of the ground.
-   pure subroutine hang_origin(system, work, body, q)
+   !> Coordinates and velocities that follow from the time alone: of frames that are driven, and origins of those that hang on them.
+   !> What hangs on the ground is there from the start.
+   subroutine place_known(system, work, t, q, v)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: t
+      !> Coordinates and velocities (nq)
+      real(wp), contiguous, intent(inout) :: q(:), v(:)
+      integer :: k
+      call place_drives(system%model, t, work%kinematics)
+      associate (tree => system%tree)
+         do k = 1, size(tree%timed)
+            call place_body(system, work, tree%timed(k), tree%given(1, tree%timed(k)), q, v)
+         end do
+      end associate
+   end subroutine place_known
+
+   !> Puts one frame where a joint or drivers place it, behind the frame that carries it.
+   pure subroutine place_body(system, work, body, origin, q, v)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(in) :: work
+      !> Its index; whether its origin is placed, else only its angle
+      integer, intent(in) :: body
+      logical, intent(in) :: origin
+      !> Coordinates (nq), and velocities if they are placed too (nq)
+      real(wp), intent(inout) :: q(*)
+      real(wp), intent(inout), optional :: v(*)
+      integer :: j, first
+      first = system%layout%q(body)
+      associate (tree => system%tree)
+         if (origin .and. tree%joint(body) > 0) then
+            call hang_origin(system, body, q, v)
+         else if (origin .and. tree%axes(1, body) > 0) then
+            do j = 1, 2
+               associate (drive => work%kinematics%drives(tree%axes(j, body)))
+                  q(first + j - 1) = drive%value
+                  if (present(v)) v(first + j - 1) = drive%rate
+               end associate
+            end do
+         end if
+         if (tree%driver(body) > 0) call turn_frame(system, work, tree%driver(body), first, q, v)
+         if (tree%grip(body) == 0) return
+         do j = 1, size(tree%holders, 1)
+            if (tree%holders(j, body) == 0) exit
+            call turn_frame(system, work, tree%holders(j, body), first, q, v)
+         end do
+      end associate
+   end subroutine place_body
+
+   !> Puts the origin of a frame where it hangs: at a point of a rigid body, or of the ground.
+   pure subroutine hang_origin(system, body, q, v)
+      type(system_type), intent(in) :: system
       !> Index of the body
       integer, intent(in) :: body
-      real(wp), contiguous, intent(inout) :: q(:)
-      real(wp) :: p(2)
+      real(wp), intent(inout) :: q(*)
+      real(wp), intent(inout), optional :: v(*)
+      real(wp) :: p(2), rate(2)
       integer :: to, from
       to = system%layout%q(body)
-      p = work%kinematics%markers(system%tree%marker(body))%p0
-      if (system%tree%carrier(body) /= ground) then
-         from = system%layout%q(system%tree%carrier(body))
-         p = along(p, q(from + 2:from + 3))
-         p(1) = q(from) + p(1)
-         p(2) = q(from + 1) + p(2)
-      end if
-      q(to) = p(1)
-      q(to + 1) = p(2)
+      associate (point => system%model%points(system%marker_points(system%tree%marker(body))))
+         p = point%p0
+         if (system%tree%carrier(body) /= ground) then
+            from = system%layout%q(system%tree%carrier(body))
+            p = along(p, q(from + 2:from + 3))
+            p(1) = q(from) + p(1)
+            p(2) = q(from + 1) + p(2)
+         end if
+         q(to) = p(1)
+         q(to + 1) = p(2)
+         if (.not. present(v)) return
+         rate = 0.0_wp
+         if (point%body /= ground) rate = point_velocity(system%model, system%layout, point, q(:system%layout%nq), &
+            & v(:system%layout%nq))
+         v(to:to + 1) = rate
+      end associate
    end subroutine hang_origin
+
+   !> Turns a frame as a driver does, if the constraint is one.
+   pure subroutine turn_frame(system, work, constraint, first, q, v)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(in) :: work
+      !> Index of the constraint, first index of the frame's coordinates
+      integer, intent(in) :: constraint, first
+      real(wp), intent(inout) :: q(*)
+      real(wp), intent(inout), optional :: v(*)
+      select type (item => system%constraints(constraint)%item)
+      type is (driven_angle_type)
+         associate (drive => work%kinematics%drives(item%drive))
+            q(first + 2:first + 3) = drive%heading
+            if (.not. present(v)) return
+            v(first + 2) = -drive%rate*drive%heading(2)
+            v(first + 3) = drive%rate*drive%heading(1)
+         end associate
+      end select
+   end subroutine turn_frame
 
    !> Indices of the coordinates that `place_known` does not give.
    subroutine list_unplaced(system, list)
@@ -208,75 +253,6 @@ contains
       allocate (list(count(.not. placed)))
       list = pack([(j, j=1, size(placed))], .not. placed)
    end subroutine list_unplaced
-
-   !> Coordinates and velocities that follow from the time alone: of frames that are driven, and origins of those that hang on them.
-   !> What hangs on the ground is there from the start.
-   subroutine place_known(system, work, t, q, v)
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(inout) :: work
-      real(wp), intent(in) :: t
-      !> Coordinates and velocities (nq)
-      real(wp), intent(inout) :: q(:), v(:)
-      integer :: i, j, k, first
-      call place_drives(system%model, t, work%kinematics)
-      associate (tree => system%tree)
-         do k = 1, size(tree%timed)
-            i = tree%timed(k)
-            first = system%layout%q(i)
-            if (tree%given(1, i)) then
-               if (tree%joint(i) > 0) then
-                  call follow_carrier(system, system%model%points(system%marker_points(tree%marker(i))), first, q, v)
-               else
-                  do j = 1, 2
-                     q(first + j - 1) = work%kinematics%drives(tree%axes(j, i))%value
-                     v(first + j - 1) = work%kinematics%drives(tree%axes(j, i))%rate
-                  end do
-               end if
-            end if
-            if (.not. tree%given(2, i)) cycle
-            if (tree%driver(i) > 0) call turn_frame(system, work, tree%driver(i), first, q, v)
-            do j = 1, size(tree%holders, 1)
-               if (tree%holders(j, i) == 0) exit
-               call turn_frame(system, work, tree%holders(j, i), first, q, v)
-            end do
-         end do
-      end associate
-   end subroutine place_known
-
-   !> Origin of a frame at a point of another body, or of the ground.
-   pure subroutine follow_carrier(system, point, first, q, v)
-      type(system_type), intent(in) :: system
-      type(point_type), intent(in) :: point
-      !> First index of the frame's coordinates
-      integer, intent(in) :: first
-      real(wp), intent(inout) :: q(:), v(:)
-      real(wp) :: place(2), rate(2)
-      if (point%body == ground) then
-         q(first:first + 1) = point%p0
-         v(first:first + 1) = 0.0_wp
-         return
-      end if
-      place = point_position(system%model, system%layout, point, q)
-      rate = point_velocity(system%model, system%layout, point, q, v)
-      q(first:first + 1) = place
-      v(first:first + 1) = rate
-   end subroutine follow_carrier
-
-   !> A frame as a driver turns it, if the constraint is one.
-   pure subroutine turn_frame(system, work, constraint, first, q, v)
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(in) :: work
-      integer, intent(in) :: constraint, first
-      real(wp), intent(inout) :: q(:), v(:)
-      select type (item => system%constraints(constraint)%item)
-      type is (driven_angle_type)
-         associate (drive => work%kinematics%drives(item%drive))
-            q(first + 2:first + 3) = drive%heading
-            v(first + 2) = -drive%rate*drive%heading(2)
-            v(first + 3) = drive%rate*drive%heading(1)
-         end associate
-      end select
-   end subroutine turn_frame
 
    !> Moves a state that is near the constraints onto them, at position and at velocity level.
    subroutine settle(system, work, t, q, v, change, exact, residual, error)
@@ -322,11 +298,8 @@ contains
       !> Residual before, zero if nothing had to be moved but what hangs or is driven; and residual reached
       real(wp), intent(out) :: before, residual
       type(error_type), allocatable, intent(out) :: error
-      call normalise_frames(system, q)
-      call place_tree(system, work, t, q)
-      call linearise(system, work, t, q, error)
+      call project_position(system, work, t, q, change, .true., most_rounds, least_residual, before, residual, error)
       if (allocated(error)) return
-      call project_placed(system, work, t, q, change, least_residual, most_rounds, before, residual)
       if (before <= least_residual) before = 0.0_wp
       if (residual > harmless) call settle_plainly(system, work, t, q, residual, error)
    end subroutine settle_position
@@ -348,9 +321,8 @@ contains
       !> Rounds that cost less than factors
       integer, parameter :: few = 2
       real(wp) :: before
-      call put_together(system, work, t, q)
-      call project_placed(system, work, t, q, change, max(allowed, least_residual), merge(few, 0, allowed > 0.0_wp), before, &
-         & residual)
+      call project_position(system, work, t, q, change, .false., merge(few, 0, allowed > 0.0_wp), max(allowed, least_residual), &
+         & before, residual, error)
       if (residual > max(allowed, least_residual)) call settle_position(system, work, t, q, change, before, residual, error)
    end subroutine settle_place
 
@@ -409,19 +381,6 @@ contains
       vector(first) = -omega*u(2)
       vector(first + 1) = omega*u(1)
    end subroutine spin_frame
-
-   !> Brings every frame's u to unit length.
-   pure subroutine normalise_frames(system, q)
-      type(system_type), intent(in) :: system
-      real(wp), intent(inout) :: q(:)
-      integer :: i
-      do i = 1, size(system%layout%q)
-         if (.not. system%layout%framed(i)) cycle
-         associate (first => system%layout%q(i) + 2)
-            q(first:first + 1) = q(first:first + 1)/sqrt(q(first)**2 + q(first + 1)**2)
-         end associate
-      end do
-   end subroutine normalise_frames
 
    subroutine clear_forces(work)
       type(workspace_type), intent(inout) :: work

@@ -11,7 +11,7 @@ module limber_multibody_sparse_eigenmodes
    use limber_base_signals, only: signal_came
    use limber_multibody_free_motions, only: rate_scales
    use limber_multibody_system, only: system_type
-   use limber_multibody_tangent, only: tangent_type, combine, static_softness
+   use limber_multibody_tangent, only: tangent_type, combine_stiffness
    use limber_multibody_tangent_products, only: times_mass
    implicit none
    private
@@ -60,8 +60,7 @@ contains
       real(wp) :: tolerance
       real(wp), parameter :: golden = 0.6180339887498949_wp
       n = system%layout%nw
-      tangent%softness = static_softness(tangent)
-      call combine(tangent, cmplx(-shift, 0.0_wp, wp), (0.0_wp, 0.0_wp), (1.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), .false.)
+      call combine_stiffness(tangent, shift)
       call tangent%matrix%factor(singular)
       done = .not. singular
       if (singular) return

@@ -133,7 +133,7 @@ contains
       call new_event_scalars(system, events)
       call move_alloc(events, system%events)
       call end_registry(system)
-      system%tree = new_tree(system, system%constraints, system%nc)
+      system%tree = new_tree(system, system%constraints, system%nc, model%assembly%elimination)
       system%powered = .false.
       do i = 1, size(system%constraints)
          system%powered = system%powered .or. system%constraints(i)%item%driven

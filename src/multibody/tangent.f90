@@ -11,12 +11,13 @@ module limber_multibody_tangent
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
    use limber_model_model, only: ground
+   use limber_multibody_compliant_constraints, only: refine
    use limber_multibody_sparse_matrix, only: sparse_type
    use limber_multibody_system, only: system_type, mark_block, block_place
    implicit none
    private
-   public :: tangent_type, body_tangent_type, new_tangent, gather, combine, add_block, combine_values, solve_refined, &
-      & static_softness, give_way
+   public :: tangent_type, body_tangent_type, new_tangent, gather, combine, combine_complex, combine_stiffness, combine_values, &
+      & add_block, factor_masses, solve_refined, give_way
 
    !> Derivatives of one body's equations (3 + n, 3 + n), and where they stand in the matrix
    type :: body_tangent_type
@@ -250,23 +251,41 @@ contains
       end do
    end subroutine add_block
 
-   !> Fills the matrix with real or complex factors: the real values, or the complex ones; `gather` comes first.
-   subroutine combine(tangent, mass, damping, stiffness, drift, is_complex)
+   !> Fills the matrix with real factors; `gather` comes first.
+   pure subroutine combine(tangent, mass, damping, stiffness, drift)
       type(tangent_type), intent(inout) :: tangent
-      !> Factors of M, D, K and of the drift of G; their real parts serve where the matrix is real
+      !> Factors of M, D, K and of the drift of G
+      real(wp), intent(in) :: mass, damping, stiffness, drift
+      call combine_values(tangent, mass, damping, stiffness, drift, tangent%softness, tangent%matrix%values)
+   end subroutine combine
+
+   !> Fills the complex values of the matrix; `gather` comes first.
+   pure subroutine combine_complex(tangent, mass, damping, stiffness, drift)
+      type(tangent_type), intent(inout) :: tangent
+      !> As in `combine`
       complex(wp), intent(in) :: mass, damping, stiffness, drift
-      !> Which values are filled
-      logical, intent(in) :: is_complex
-      if (.not. is_complex) then
-         call combine_values(tangent, real(mass, wp), real(damping, wp), real(stiffness, wp), real(drift, wp), tangent%softness, &
-            & tangent%matrix%values)
-         return
-      end if
-      call combine_complex(size(tangent%parts, 1), mass, damping, stiffness, drift, tangent%parts, tangent%matrix%complex_values)
+      call add_complex(size(tangent%parts, 1), mass, damping, stiffness, drift, tangent%parts, tangent%matrix%complex_values)
       if (size(tangent%slack) == 0) return
       tangent%matrix%complex_values(tangent%slack_place) = tangent%matrix%complex_values(tangent%slack_place) &
          & - tangent%softness*tangent%slack
-   end subroutine combine
+   end subroutine combine_complex
+
+   !> Factors of the masses with the constraints; `gather` comes first.
+   subroutine factor_masses(tangent, singular)
+      type(tangent_type), intent(inout) :: tangent
+      logical, intent(out) :: singular
+      tangent%softness = 1.0_wp
+      call combine(tangent, 1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp)
+      call tangent%matrix%factor(singular)
+   end subroutine factor_masses
+
+   !> Fills the matrix with K - shift M; `gather` comes first.
+   subroutine combine_stiffness(tangent, shift)
+      type(tangent_type), intent(inout) :: tangent
+      real(wp), intent(in) :: shift
+      tangent%softness = static_softness(tangent)
+      call combine(tangent, -shift, 0.0_wp, 1.0_wp, 0.0_wp)
+   end subroutine combine_stiffness
 
    !> The values of the matrix with real factors, in a place of their own; `gather` comes first.
    pure subroutine combine_values(tangent, mass, damping, stiffness, drift, softness, values)
@@ -275,13 +294,13 @@ contains
       real(wp), intent(in) :: mass, damping, stiffness, drift, softness
       !> (entries)
       real(wp), contiguous, intent(inout) :: values(:)
-      call combine_real(size(tangent%parts, 1), mass, damping, stiffness, drift, tangent%parts, values)
+      call add_real(size(tangent%parts, 1), mass, damping, stiffness, drift, tangent%parts, values)
       if (size(tangent%slack) == 0) return
       values(tangent%slack_place) = values(tangent%slack_place) - softness*tangent%slack
    end subroutine combine_values
 
    !> The sum of the parts with real factors.
-   pure subroutine combine_real(entries, mass, damping, stiffness, drift, parts, values)
+   pure subroutine add_real(entries, mass, damping, stiffness, drift, parts, values)
       integer, intent(in) :: entries
       real(wp), intent(in) :: mass, damping, stiffness, drift, parts(entries, 5)
       real(wp), intent(inout) :: values(entries)
@@ -289,10 +308,10 @@ contains
       do k = 1, entries
          values(k) = mass*parts(k, 1) + damping*parts(k, 2) + stiffness*parts(k, 3) + parts(k, 4) + drift*parts(k, 5)
       end do
-   end subroutine combine_real
+   end subroutine add_real
 
    !> The same with complex factors.
-   pure subroutine combine_complex(entries, mass, damping, stiffness, drift, parts, values)
+   pure subroutine add_complex(entries, mass, damping, stiffness, drift, parts, values)
       integer, intent(in) :: entries
       complex(wp), intent(in) :: mass, damping, stiffness, drift
       real(wp), intent(in) :: parts(entries, 5)
@@ -303,7 +322,7 @@ contains
             & + parts(k, 4) + real(drift, wp)*parts(k, 5), aimag(mass)*parts(k, 1) + aimag(damping)*parts(k, 2) &
             & + aimag(stiffness)*parts(k, 3) + aimag(drift)*parts(k, 5), wp)
       end do
-   end subroutine combine_complex
+   end subroutine add_complex
 
    !> Solves with the factors at hand. What redundant constraints give way is taken out again, eq. (4.34).
    subroutine solve_refined(tangent, nw, solution, correction)
@@ -312,17 +331,8 @@ contains
       integer, intent(in) :: nw
       !> Right-hand side, then solution; scratch (nw + nc)
       real(wp), contiguous, intent(inout) :: solution(:), correction(:)
-      integer, parameter :: rounds = 2
-      integer :: round
       call tangent%matrix%solve(solution)
-      if (size(tangent%slack) == 0) return
-      correction(nw + 1:) = solution(nw + 1:)
-      do round = 1, rounds
-         correction(:nw) = 0.0_wp
-         correction(nw + 1:) = -tangent%softness*tangent%slack*correction(nw + 1:)
-         call tangent%matrix%solve(correction)
-         solution = solution + correction
-      end do
+      if (size(tangent%slack) > 0) call refine(tangent%matrix, nw, tangent%softness*tangent%slack, solution, correction)
    end subroutine solve_refined
 
    !> Softness of redundant constraints beside the stiffness instead of the mass: the ratio of the two.

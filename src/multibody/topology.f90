@@ -13,6 +13,7 @@ module limber_multibody_topology
    use limber_multibody_point_joints, only: revolute_type
    use limber_multibody_layout, only: layout_type
    use limber_multibody_marker_registry, only: registry_type
+   use limber_multibody_spanning_tree, only: spanning_tree_type, new_spanning_tree
    implicit none
    private
    public :: topology_type, new_tree
@@ -22,6 +23,10 @@ module limber_multibody_topology
 
    !> Constant structure; arrays are over bodies unless said otherwise
    type :: topology_type
+      !> Constraints of each body, and a way from the ground to all bodies
+      type(spanning_tree_type) :: span
+      !> True if all constraints are hinges without a driver, none of which closes a loop: articulated trees
+      logical :: articulated = .false.
       !> Bodies, each behind the one that carries it
       integer, allocatable :: order(:)
       !> Constraint that places the frame's origin, and the one that gives its angle; 0: none
@@ -45,9 +50,6 @@ module limber_multibody_topology
       logical, allocatable :: plain(:)
       !> Number of unknowns on which the frame's accelerations depend, and their indices (most, bodies)
       integer, allocatable :: count(:), columns(:, :)
-      !> First side of a constraint that places another body, at each body that bears it, and the next there: number 2 (c - 1) + s
-      !> is side s of constraint c; 0: none (bodies; 2 constraints)
-      integer, allocatable :: first(:), next(:)
       !> Body that a constraint places, holds or whose angle it gives; 0: none (constraints)
       integer, allocatable :: body(:)
       !> Constraints that frames in their places do not keep by themselves: projections close them
@@ -62,11 +64,9 @@ module limber_multibody_topology
       integer :: unknowns = 0
    end type topology_type
 
-   !> Bodies that could hang on others, by the joint
+   !> Bodies that could hang on others, by the joint: a side 2 (c - 1) + s is a hinge at the origin of that side's frame
    type :: candidates_type
-      !> First candidate on each body or the ground (0:bodies), and the next one on the same (2 constraints); 0: none
-      integer, allocatable :: first(:), next(:)
-      !> Candidates whose carriers are in the tree, as a heap; only the first `count` are in use
+      !> Those whose carriers are in the tree, as a heap; only the first `count` are in use
       integer, allocatable :: heap(:)
       integer :: count = 0
       !> Whether a body is in the tree (bodies); whether it is rigid and its motion known, as that of the ground is (0:bodies)
@@ -80,12 +80,14 @@ module limber_multibody_topology
 
 contains
 
-   !> The tree of a model. Its constraints are the joints in the order of the model, then the drivers.
-   function new_tree(registry, constraints, nc) result(tree)
+   !> The topology of a model. Its constraints are the joints in the order of the model, then the drivers.
+   function new_tree(registry, constraints, nc, eliminates) result(tree)
       class(registry_type), intent(in) :: registry
       type(constraint_item_type), intent(in) :: constraints(:)
       !> Number of constraint equations
       integer, intent(in) :: nc
+      !> Whether anything is solved in closed form; else all frames keep their unknowns, all constraints their multipliers
+      logical, intent(in) :: eliminates
       type(topology_type) :: tree
       type(candidates_type) :: candidates
       integer :: bodies, done, i, left
@@ -96,13 +98,15 @@ contains
       candidates%done = .false.
       candidates%known = .false.
       candidates%known(ground) = .true.
-      associate (model => registry%model, layout => registry%layout)
-         call find_candidates(model, constraints, registry%marker_points, bodies, candidates)
-         if (model%assembly%elimination) then
+      tree%span = new_spanning_tree(constraints, bodies)
+      tree%articulated = eliminates .and. tree%span%loops == 0 .and. are_hinges(constraints)
+      allocate (candidates%heap(2*size(constraints)))
+      associate (layout => registry%layout)
+         if (eliminates) then
             call find_drivers(constraints, tree)
-            call release(candidates, ground)
+            call release(registry, constraints, tree%span, ground, candidates)
             call new_holding(registry, constraints, candidates%holding)
-            call wait_for(candidates, constraints, ground)
+            call wait_for(candidates, constraints, tree%span, ground)
          end if
          left = 1
          do done = 1, bodies
@@ -119,15 +123,15 @@ contains
             candidates%done(i) = .true.
             call number_unknowns(layout, i, tree)
             candidates%known(i) = tree%count(i) == 0 .and. layout%n(i) == 0
-            if (.not. model%assembly%elimination) cycle
-            if (can_carry(layout, tree, i)) call release(candidates, i)
-            if (candidates%known(i)) call wait_for(candidates, constraints, i)
+            if (.not. eliminates) cycle
+            if (can_carry(layout, tree, i)) call release(registry, constraints, tree%span, i, candidates)
+            if (candidates%known(i)) call wait_for(candidates, constraints, tree%span, i)
          end do
          call find_axes(registry, tree)
-         call release_driven(layout, constraints, size(model%joints), tree)
+         call release_driven(layout, constraints, size(registry%model%joints), tree)
       end associate
       call find_given(constraints, tree)
-      call find_bearers(constraints, size(registry%model%joints), tree)
+      call find_placed(size(registry%model%joints), tree)
       call find_open(size(constraints), tree)
       call number_rows(constraints, tree)
    end function new_tree
@@ -138,7 +142,7 @@ contains
       type(topology_type), intent(inout) :: tree
       allocate (tree%order(bodies), tree%joint(bodies), tree%driver(bodies), tree%side(bodies), tree%carrier(bodies), &
          & tree%marker(bodies), tree%plain(bodies), tree%count(bodies), tree%columns(most, bodies), tree%row(nc), &
-         & tree%first(bodies), tree%next(2*constraints), tree%body(constraints), tree%grip(bodies), tree%holders(3, bodies), &
+         & tree%body(constraints), tree%grip(bodies), tree%holders(3, bodies), &
          & tree%axes(2, bodies), tree%axis_rows(2, bodies), tree%given(2, bodies))
       tree%given = .false.
       tree%order = 0
@@ -169,48 +173,56 @@ contains
       end do
    end subroutine find_drivers
 
-   !> What could hang where: number 2 (c - 1) + s is side s of constraint c, a revolute joint at the origin of that side's frame.
-   subroutine find_candidates(model, constraints, marker_points, bodies, candidates)
-      type(model_type), intent(in) :: model
+   !> Whether all constraints are hinges that no driver turns.
+   pure logical function are_hinges(constraints)
       type(constraint_item_type), intent(in) :: constraints(:)
-      integer, intent(in) :: marker_points(:), bodies
-      type(candidates_type), intent(inout) :: candidates
-      integer :: i, own, number
-      allocate (candidates%first(0:bodies), source=0)
-      allocate (candidates%next(2*size(constraints)), candidates%heap(2*size(constraints)))
-      candidates%next = 0
-      do i = size(constraints), 1, -1
+      integer :: i
+      are_hinges = .true.
+      do i = 1, size(constraints)
          select type (item => constraints(i)%item)
          type is (revolute_type)
-            do own = 2, 1, -1
-               if (item%bodies(own) == ground) cycle
-               if (.not. at_origin(model, marker_points(item%markers(own)))) cycle
-               number = 2*(i - 1) + own
-               candidates%next(number) = candidates%first(item%bodies(3 - own))
-               candidates%first(item%bodies(3 - own)) = number
-            end do
+            are_hinges = are_hinges .and. .not. item%driven
+         class default
+            are_hinges = .false.
          end select
       end do
-   end subroutine find_candidates
+   end function are_hinges
 
-   !> Puts all that could hang on a body, or the ground, into the heap: least number first.
-   pure subroutine release(candidates, body)
-      type(candidates_type), intent(inout) :: candidates
+   !> Takes note of all that could hang on a body, or the ground: by a hinge at the origin of its own frame.
+   pure subroutine release(registry, constraints, span, body, candidates)
+      class(registry_type), intent(in) :: registry
+      type(constraint_item_type), intent(in) :: constraints(:)
+      type(spanning_tree_type), intent(in) :: span
       integer, intent(in) :: body
-      integer :: number, i
-      number = candidates%first(body)
+      type(candidates_type), intent(inout) :: candidates
+      integer :: number, c, own
+      number = span%first(body)
       do while (number > 0)
-         candidates%count = candidates%count + 1
-         i = candidates%count
-         do while (i > 1)
-            if (candidates%heap(i/2) <= number) exit
-            candidates%heap(i) = candidates%heap(i/2)
-            i = i/2
-         end do
-         candidates%heap(i) = number
-         number = candidates%next(number)
+         c = (number + 1)/2
+         own = 3 - (number - 2*(c - 1))
+         number = span%next(number)
+         if (constraints(c)%item%bodies(own) == ground) cycle
+         select type (item => constraints(c)%item)
+         type is (revolute_type)
+            if (at_origin(registry%model, registry%marker_points(item%markers(own)))) call put(candidates, 2*(c - 1) + own)
+         end select
       end do
    end subroutine release
+
+   !> Puts a candidate into the heap: least number first.
+   pure subroutine put(candidates, number)
+      type(candidates_type), intent(inout) :: candidates
+      integer, intent(in) :: number
+      integer :: i
+      candidates%count = candidates%count + 1
+      i = candidates%count
+      do while (i > 1)
+         if (candidates%heap(i/2) <= number) exit
+         candidates%heap(i) = candidates%heap(i/2)
+         i = i/2
+      end do
+      candidates%heap(i) = number
+   end subroutine put
 
    !> Takes the least number out of the heap.
    pure subroutine take(candidates, number)
@@ -271,23 +283,24 @@ contains
    end subroutine hang
 
    !> Takes note of the bodies that a body of known motion, or the ground, may hold.
-   subroutine wait_for(candidates, constraints, body)
+   subroutine wait_for(candidates, constraints, span, body)
       type(candidates_type), intent(inout) :: candidates
       type(constraint_item_type), intent(in) :: constraints(:)
+      type(spanning_tree_type), intent(in) :: span
       integer, intent(in) :: body
       integer :: i, c
       if (.not. candidates%holding%useful) return
       if (body == ground) then
          do i = size(candidates%done), 1, -1
-            if (candidates%holding%first(i) > 0) call note(i)
+            if (span%first(i) > 0) call note(i)
          end do
          return
       end if
-      i = candidates%holding%first(body)
+      i = span%first(body)
       do while (i > 0)
          c = (i + 1)/2
-         call note(constraints(c)%item%bodies(3 - (i - 2*(c - 1))))
-         i = candidates%holding%next(i)
+         if (candidates%holding%suits(c)) call note(constraints(c)%item%bodies(3 - (i - 2*(c - 1))))
+         i = span%next(i)
       end do
 
    contains
@@ -317,7 +330,8 @@ contains
          body = candidates%queue(candidates%waiting)
          candidates%waiting = candidates%waiting - 1
          if (candidates%done(body)) cycle
-         call find_grip(candidates%holding, constraints, candidates%known, body, registry%layout%rates(body), list, number, rows)
+         call find_grip(candidates%holding, tree%span, constraints, candidates%known, body, registry%layout%rates(body), list, &
+            & number, rows)
          if (rows < registry%layout%rates(body)) cycle
          found = .true.
          ! A hinge at the origin is solved at less cost
@@ -350,7 +364,7 @@ contains
       if (.not. candidates%holding%useful) return
       do body = candidates%partial, size(candidates%done)
          if (candidates%done(body)) cycle
-         call find_grip(candidates%holding, constraints, candidates%known, body, layout%rates(body), list, number, rows)
+         call find_grip(candidates%holding, tree%span, constraints, candidates%known, body, layout%rates(body), list, number, rows)
          if (rows == 0) cycle
          ! A driven angle alone is solved at less cost
          if (number == 1 .and. list(1) == tree%driver(body)) cycle
@@ -463,41 +477,20 @@ contains
       tree%timed = pack(tree%order, changes)
    end subroutine find_given
 
-   !> What each constraint places, holds or drives, and what each body bears of it.
-   subroutine find_bearers(constraints, joints, tree)
-      type(constraint_item_type), intent(in) :: constraints(:)
+   !> What each constraint places, holds or drives.
+   subroutine find_placed(joints, tree)
       !> Number of joints, behind which the drivers stand among the constraints
       integer, intent(in) :: joints
       type(topology_type), intent(inout) :: tree
-      integer :: k, j, body
-      tree%first = 0
-      tree%next = 0
+      integer :: body
       tree%body = 0
-      do k = size(tree%order), 1, -1
-         body = tree%order(k)
+      do body = 1, size(tree%order)
          if (tree%driver(body) > 0) tree%body(tree%driver(body)) = body
-         if (tree%joint(body) > 0) call add(tree%joint(body), tree%side(body))
+         if (tree%joint(body) > 0) tree%body(tree%joint(body)) = body
          if (tree%axis_rows(1, body) > 0) tree%body(joints + tree%axes(:, body)) = body
-         do j = 1, count(tree%holders(:, body) > 0)
-            call add(tree%holders(j, body), merge(1, 2, constraints(tree%holders(j, body))%item%bodies(1) == body))
-         end do
+         tree%body(pack(tree%holders(:, body), tree%holders(:, body) > 0)) = body
       end do
-
-   contains
-
-      !> A constraint that places the body by one of its sides.
-      subroutine add(constraint, side)
-         integer, intent(in) :: constraint, side
-         integer :: bearer, number
-         tree%body(constraint) = body
-         bearer = constraints(constraint)%item%bodies(3 - side)
-         if (bearer == ground) return
-         number = 2*(constraint - 1) + 3 - side
-         tree%next(number) = tree%first(bearer)
-         tree%first(bearer) = number
-      end subroutine add
-
-   end subroutine find_bearers
+   end subroutine find_placed
 
    !> Constraints that are left where all frames are in their places: those that place none, and those of bodies that are held.
    subroutine find_open(constraints, tree)

@@ -32,7 +32,7 @@ module limber_scene_first_scene
    use limber_multibody_joint_misfit, only: bend_least
    use limber_multibody_modal_damping, only: any_modal, find_damping, damped_modes_type
    use limber_multibody_kinematics, only: move_frames, place_frames
-   use limber_multibody_multiplier_system, only: update_jacobians
+   use limber_multibody_multiplier_system, only: place_constraints
    use limber_multibody_constraint_matrix, only: constraint_matrix_type, new_constraint_matrix, fill
    use limber_multibody_beam_supports, only: find_supports
    use limber_multibody_system, only: new_system, new_workspace
@@ -380,8 +380,7 @@ contains
       names = ''
       associate (system => scene%system, work => scene%work)
          if (system%nc == 0) return
-         call place_frames(system%model, system%layout, t, scene%q, work%kinematics)
-         call update_jacobians(system, work)
+         call place_constraints(system, work, t, scene%q)
          call new_constraint_matrix(system, .false., frames)
          call fill(system, work, frames)
          call find_redundancy(system, frames, found)

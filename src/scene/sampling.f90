@@ -18,7 +18,8 @@ module limber_scene_sampling
    use limber_multibody_driven_motion, only: driven_motion_type, new_held, held_position, balance_passed
    use limber_multibody_kinematics, only: place_frames
    use limber_monitor_run_monitor, only: find_weak
-   use limber_multibody_projection, only: harmless, settle, settle_place, settle_position, normalise_frames
+   use limber_multibody_layout, only: normalise_frames
+   use limber_multibody_projection, only: harmless, settle, settle_place, settle_position
    use limber_multibody_system, only: system_type, workspace_type
    implicit none
    private
@@ -234,7 +235,7 @@ contains
          call integrator%interpolate_place(t, sample%q, sample%v, sample%w)
          call integrator%complete(system, work, t, sample%q, sample%v)
          ! Joints on pins are linear in the frames' vectors: what these lack shows in their length only
-         call normalise_frames(system, sample%q)
+         call normalise_frames(system%layout, sample%q)
          call place_frames(system%model, system%layout, t, sample%q, work%kinematics)
          residual = position_residual(system, work)
          if (residual > part*may_stay(integrator%tolerance)) return

@@ -9,7 +9,7 @@ module limber_scene_speed_jumps
    use limber_model_model, only: driver_angle, driver_joint_angle
    use limber_multibody_equations_of_motion, only: position_residual, velocity_residual
    use limber_multibody_kinematics, only: place_frames
-   use limber_multibody_multiplier_system, only: update_jacobians
+   use limber_multibody_multiplier_system, only: place_constraints
    use limber_multibody_system, only: system_type, workspace_type
    implicit none
    private
@@ -108,8 +108,7 @@ contains
       integer :: i
       refused = 0.0_wp
       if (system%nc == 0) return
-      call place_frames(system%model, system%layout, t, q, work%kinematics)
-      call update_jacobians(system, work)
+      call place_constraints(system, work, t, q)
       largest = velocity_residual(system, work, v)
       do i = 1, size(system%constraints)
          associate (item => system%constraints(i)%item)
@@ -195,12 +194,10 @@ contains
       jumps = 0.0_wp
       if (system%nc == 0) return
       rest = 0.0_wp
-      call place_frames(system%model, system%layout, earlier, q, work%kinematics)
-      call update_jacobians(system, work)
+      call place_constraints(system, work, earlier, q)
       largest = velocity_residual(system, work, rest)
       before = work%gamma(:system%nc)
-      call place_frames(system%model, system%layout, t, q, work%kinematics)
-      call update_jacobians(system, work)
+      call place_constraints(system, work, t, q)
       largest = velocity_residual(system, work, rest)
       do i = 1, size(system%constraints)
          associate (item => system%constraints(i)%item)

@@ -417,7 +417,7 @@ contains
       do round = 1, 4
          call linearise(system, work, t, q, error)
          call check_no_error(error, 'slider-crank')
-         call project_position(system, work, t, q, change, 1.0e-16_wp, before, residual)
+         call project_position(system, work, t, q, change, .false., 6, 1.0e-16_wp, before, residual, error)
       end do
       call linearise(system, work, t, q, error)
       do round = 1, 2
@@ -587,13 +587,13 @@ contains
       allocate (change(size(q)))
       good = q
       call linearise(system, work, 0.4_wp, q, error)
-      call project_position(system, work, 0.4_wp, q, change, 1.0e-14_wp, before, residual)
+      call project_position(system, work, 0.4_wp, q, change, .false., 6, 1.0e-14_wp, before, residual, error)
       call check(maxval(abs(q - good)) <= 4.0e-16_wp, 'a good position is left alone')
       do i = 1, size(q)
          q(i) = q(i) + 1.0e-5_wp*random()
       end do
       call linearise(system, work, 0.4_wp, q, error)
-      call project_position(system, work, 0.4_wp, q, change, 1.0e-14_wp, before, residual)
+      call project_position(system, work, 0.4_wp, q, change, .false., 6, 1.0e-14_wp, before, residual, error)
       call check(residual <= 1.0e-14_wp, 'positions are projected')
       call check(maxval(abs(q - good)) <= 1.0e-4_wp, 'not far')
       call check(abs(norm2(q(3:4)) - 1) <= 2.5e-16_wp, 'u has unit length')

@@ -159,7 +159,7 @@ contains
                call residual_at(system, work, q, w, a, j, 0.0_wp, k*h, motion(:, k))
             end do
             difference = derivative(motion(:, -2), motion(:, -1), motion(:, 1), motion(:, 2), h)
-            call combine(tangent, (0.0_wp, 0.0_wp), (1.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), .false.)
+            call combine(tangent, 0.0_wp, 1.0_wp, 0.0_wp, 0.0_wp)
             column = matmul(dense(tangent, n), unit)
             call check(maxval(abs(column - difference)) <= 1.0e-9_wp*largest, 'damping of force elements')
          end do

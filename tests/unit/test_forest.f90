@@ -186,8 +186,7 @@ contains
       call new_tangent(system, tangent)
       call place_motion(system, work, 0.0_wp, q, v)
       call linearise_motion(system, work, tangent, q, v, a, lambda)
-      call combine(tangent, cmplx(mass, 0.0_wp, wp), (1.0_wp, 0.0_wp), cmplx(stiffness, 0.0_wp, wp), &
-         & cmplx(stiffness, 0.0_wp, wp), .false.)
+      call combine(tangent, mass, 1.0_wp, stiffness, stiffness)
       call tangent%matrix%factor(singular)
       call tangent%matrix%solve(x)
       call forest_factor(forest, system%model, q, w, a, lambda, mass, stiffness, singular)
@@ -330,11 +329,11 @@ contains
       call check_close(change, 0.0_wp, 1.0e-14_wp, title//': rotations and deflections stay')
    end subroutine check_same_inside
 
-   !> Loops, other joints, loads, bodies without inertia, and scenes so small that nothing is gained.
+   !> Loops, other joints, loads, bodies without inertia, and scenes where nothing is to be eliminated.
    subroutine test_refused()
       type(model_type) :: model
       integer :: i, point
-      do i = 1, 5
+      do i = 1, 6
          model = chain(1)
          select case (i)
          case (1); call add_joint(model, 'loop', joint_revolute, model%joints(4)%points(1), model%joints(9)%points(1))
@@ -344,6 +343,7 @@ contains
          case (3); call add_torque(model, 3, constant_law(1.0_wp))
          case (4); point = add_point_mass(model, 'mass', 1.0_wp, [0.0_wp, 0.0_wp])
          case (5); point = add_rigid(model, 'wire', 1.0_wp, 0.0_wp, [0.2_wp, 0.0_wp], [0.0_wp, 0.0_wp], 0.0_wp)
+         case (6); model%assembly%elimination = .false.
          end select
          call check(.not. usable(model), 'what is no forest: '//as_text(i))
       end do

@@ -266,7 +266,7 @@ contains
          call residual_at(system, work, q, w, a, j, 0.0_wp, 0.0_wp, 0.5_wp, residual(:, 1))
          matrix(:, j) = matrix(:, j) + m*(residual(:, 1) - residual(:, -1))
       end do
-      call combine(tangent, cmplx(m, 0.0_wp, wp), cmplx(d, 0.0_wp, wp), cmplx(s, 0.0_wp, wp), (1.0_wp, 0.0_wp), .false.)
+      call combine(tangent, m, d, s, 1.0_wp)
       call tangent%matrix%factor(singular)
       call check(.not. singular, 'the matrix is regular')
       product = matmul(matrix, x)

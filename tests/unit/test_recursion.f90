@@ -58,6 +58,7 @@ contains
       call forest(model)
       system = new_system(model)
       call new_workspace(system, work)
+      call check_span(system)
       call new_recursion(system, recursion)
       call check(recursion%usable, 'a forest is one')
       associate (nq => system%layout%nq)
@@ -84,11 +85,23 @@ contains
       end do
    end subroutine test_forest
 
-   !> Loops, other joints, loads, bodies that are no rigid ones or have no inertia.
+   !> Each body has one place, behind that of its carrier; one tree is in flight, and no joint closes a loop.
+   subroutine check_span(system)
+      type(system_type), intent(in) :: system
+      integer :: i
+      associate (span => system%tree%span, bodies => size(system%layout%q))
+         call check(all([(count(span%body == i) == 1, i=1, bodies)]), 'each body has a place')
+         call check(all(span%carrier < [(i, i=1, bodies)]), 'behind that of its carrier')
+         call check(count(span%carrier < 0) == 1 .and. count(span%side == 0) == 1, 'one tree is in flight')
+         call check(span%loops == 0 .and. system%tree%articulated, 'no loop')
+      end associate
+   end subroutine check_span
+
+   !> Loops, other joints, loads, bodies that are no rigid ones or have no inertia, and scenes where nothing is to be eliminated.
    subroutine test_refused()
       type(model_type) :: model
       integer :: i, points(2)
-      do i = 1, 6
+      do i = 1, 7
          call forest(model)
          select case (i)
          case (1); call join(model, 'loop', joint_revolute, 4, [0.3_wp, 0.1_wp], 13, nil)
@@ -101,6 +114,7 @@ contains
          case (6)
             points(1) = add_rigid(model, 'wire', 1.0_wp, 0.0_wp, nil, nil, 0.0_wp)
             call join(model, 'bead', joint_revolute, 4, [1.0_wp, 0.0_wp], points(1), nil)
+         case (7); model%assembly%elimination = .false.
          end select
          call check(.not. usable(model), 'what is no open tree of bodies: '//as_text(i))
       end do

@@ -15,7 +15,7 @@ program test_tangent
    use limber_multibody_layout, only: advance, rates_of, velocities_of
    use limber_multibody_motion_residual, only: linearise_motion, motion_residual
    use limber_multibody_system, only: new_system, new_workspace, system_type, workspace_type
-   use limber_multibody_tangent, only: combine, new_tangent, tangent_type
+   use limber_multibody_tangent, only: combine, combine_complex, new_tangent, tangent_type
    use limber_multibody_tangent_products, only: times_mass, times_stiffness
    use scenes, only: joint_revolute, joint_point_on_line, add_beam, add_beam_place, add_driver, add_force, add_frame, &
       & add_frame_place, add_joint, add_place, &
@@ -27,7 +27,7 @@ program test_tangent
    !> relative to the largest entry of each row, is for rows that are small themselves
    real(wp), parameter :: step = 1.0e-3_wp, close = 1.0e-10_wp
    real(wp), parameter :: t = 0.37_wp
-   complex(wp), parameter :: nought = (0.0_wp, 0.0_wp), one = (1.0_wp, 0.0_wp)
+   real(wp), parameter :: nought = 0.0_wp, one = 1.0_wp
 
    !> A state that keeps no constraint
    type :: state_type
@@ -371,7 +371,7 @@ contains
       noise = 20*epsilon(noise)*maxval(abs(joints(:, 1)))/step
       call linearise_motion(system, work, tangent, state%q, state%v, state%a, state%lambda)
 
-      call combine(tangent, nought, nought, nought, nought, .false.)
+      call combine(tangent, nought, nought, nought, nought)
       joints = dense(tangent, .false.)
       expected = 0.0_wp
       expected(:, nw + 1:) = differences(system, work, state, 'multipliers')
@@ -380,26 +380,26 @@ contains
       call compare(name//': G', joints(nw + 1:, :nw), expected(nw + 1:, :nw), noise)
       call check(all(abs(joints(:nw, :nw)) <= 0.0_wp), name//': nothing but the joints')
 
-      call combine(tangent, nought, one, nought, nought, .false.)
+      call combine(tangent, nought, one, nought, nought)
       matrix = dense(tangent, .false.) - joints
       call compare(name//': damping', matrix(:nw, :nw), expected(:nw, :nw), noise)
       call check(all(abs(matrix(nw + 1:, :)) <= 0.0_wp), name//': damping has no part in the joints')
 
-      call combine(tangent, one, nought, nought, nought, .false.)
+      call combine(tangent, one, nought, nought, nought)
       matrix = dense(tangent, .false.) - joints
       expected = 0.0_wp
       expected(:, :nw) = differences(system, work, state, 'accelerations')
       call compare(name//': mass', matrix, expected, noise)
       call check(maxval(abs(matrix - transpose(matrix))) <= 0.0_wp, name//': mass is symmetric')
 
-      call combine(tangent, nought, nought, one, one, .false.)
+      call combine(tangent, nought, nought, one, one)
       matrix = dense(tangent, .false.) - joints
       expected(:, :nw) = differences(system, work, state, 'coordinates')
       call compare(name//': stiffness', matrix(:nw, :), expected(:nw, :), noise)
       call compare(name//': drift', matrix(nw + 1:, :), expected(nw + 1:, :), noise)
 
       ! The drift by itself, then nothing of it
-      call combine(tangent, nought, nought, nought, one, .false.)
+      call combine(tangent, nought, nought, nought, one)
       matrix = dense(tangent, .false.) - joints
       call compare(name//': drift alone', matrix(nw + 1:, :), expected(nw + 1:, :), noise)
       call check(all(abs(matrix(:nw, :)) <= 0.0_wp), name//': drift has no part in the motion')
@@ -492,23 +492,23 @@ contains
       integer :: nw
       nw = system%layout%nw
       x = randoms(nw)
-      call combine(tangent, nought, nought, nought, nought, .false.)
+      call combine(tangent, nought, nought, nought, nought)
       allocate (joints, source=dense(tangent, .false.))
-      call combine(tangent, one, nought, nought, nought, .false.)
+      call combine(tangent, one, nought, nought, nought)
       allocate (whole, source=dense(tangent, .false.) - joints)
       y = 0.5_wp
       call times_mass(system, tangent, 0.7_wp, x, y)
       call check(maxval(abs(y - 0.5_wp - 0.7_wp*matmul(whole(:nw, :nw), x))) <= 1.0e-13_wp*maxval(abs(whole)), &
          & name//': product with the mass')
-      call combine(tangent, nought, nought, one, nought, .false.)
+      call combine(tangent, nought, nought, one, nought)
       whole = dense(tangent, .false.) - joints
       y = 0.5_wp
       call times_stiffness(system, tangent, 0.7_wp, x, y)
       call check(maxval(abs(y - 0.5_wp - 0.7_wp*matmul(whole(:nw, :nw), x))) <= 1.0e-13_wp*maxval(abs(whole)), &
          & name//': product with the stiffness')
 
-      call combine(tangent, mu, one, 1/mu, 1/mu, .true.)
-      call combine(tangent, mu, one, 1/mu, 1/mu, .false.)
+      call combine_complex(tangent, mu, (1.0_wp, 0.0_wp), 1/mu, 1/mu)
+      call combine(tangent, real(mu, wp), one, real(1/mu, wp), real(1/mu, wp))
       whole = dense(tangent, .false.)
       allocate (imaginary, source=dense(tangent, .true.))
       if (redundant(system)) return

@@ -205,7 +205,8 @@ contains
       end do
    end function is_unseen
 
-   !> Whether a law behind a change of its formula reaches the dense output before it by more than is felt. The stages of a step behind
+   !> Whether a law behind a change of its formula reaches the dense output before it by more than is felt. The stages of a step
+   !> behind
    !> the change share in the polynomial of the whole step, and the estimate of its error may be zero by chance.
    pure logical function spoils_output(self, before, law) result(spoils)
       type(crossings_type), intent(in) :: self

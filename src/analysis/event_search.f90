@@ -1,5 +1,7 @@
-!> Search for events within a step: scalars of the motion that cross zero. Bounds of each scalar along the dense output leave out the
-!> parts of a step without a crossing; what is left is halved, up to the first crossing. Floor: analysis. Source: doc/theory, eq. (5.72).
+!> Search for events within a step: scalars of the motion that cross zero. Bounds of each scalar along the dense output leave out
+!> the
+!> parts of a step without a crossing; what is left is halved, up to the first crossing. Floor: analysis. Source: doc/theory, eq.
+!> (5.72).
 module limber_analysis_event_search
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type

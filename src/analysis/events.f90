@@ -1,4 +1,5 @@
-!> Events of a motion: those that count are noted with all channels, and may end it. Floor: analysis. Source: doc/theory, section 5.19.
+!> Events of a motion: those that count are noted with all channels, and may end it. Floor: analysis. Source: doc/theory, section
+!> 5.19.
 module limber_analysis_events
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
@@ -62,7 +63,8 @@ contains
       call begin_step(self%search, system, work, t, q, v, w)
    end subroutine begin_events
 
-   !> Notes the events within the last step, up to one that ends the motion: there the step is cut. An integrator whose promise holds
+   !> Notes the events within the last step, up to one that ends the motion: there the step is cut. An integrator whose promise
+   !> holds
    !> at the ends of its steps does the step again, up to there.
    subroutine pass_events(self, scene, integrator, recorder, sample, near, t, action, again, outcome, error)
       type(events_type), intent(inout) :: self

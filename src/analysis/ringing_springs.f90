@@ -1,4 +1,5 @@
-!> Vibrations on springs and bushings that CONSERVING does not follow. It keeps their energy, so that the springs of a state at the end
+!> Vibrations on springs and bushings that CONSERVING does not follow. It keeps their energy, so that the springs of a state at the
+!> end
 !> of a step are off by as much as ever, while the mean of each step is right. Floor: analysis. Source: doc/theory, section 5.10.
 module limber_analysis_ringing_springs
    use limber_base_kinds, only: wp

@@ -1,4 +1,5 @@
-!> One-sided stops: end of travel, joint limits, walls, ropes that go slack: *STOP. Floor: elements. Source: doc/theory, section 3.9.
+!> One-sided stops: end of travel, joint limits, walls, ropes that go slack: *STOP. Floor: elements. Source: doc/theory, section
+!> 3.9.
 module limber_elements_stop
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text

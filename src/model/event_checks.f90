@@ -11,7 +11,8 @@ module limber_model_event_checks
 
 contains
 
-   !> Reports events without a motion in time, and ends of runs at events whose errors are to be estimated. Events and analyses are in
+   !> Reports events without a motion in time, and ends of runs at events whose errors are to be estimated. Events and analyses are
+   !> in
    !> the model.
    subroutine check_events(deck, model, diagnostics)
       type(deck_type), intent(in) :: deck

@@ -16,7 +16,8 @@ module limber_model_load_laws
 
 contains
 
-   !> Finds the quantities in the laws of all loads, and in those of all events. All bodies, joints and springs must be in the model.
+   !> Finds the quantities in the laws of all loads, and in those of all events. All bodies, joints and springs must be in the
+   !> model.
    subroutine resolve_laws(model, diagnostics)
       type(model_type), intent(inout) :: model
       type(diagnostics_type), intent(inout) :: diagnostics

@@ -352,7 +352,7 @@ contains
       real(wp), intent(inout) :: x(*)
       real(wp) :: none(1)
       associate (place => forest%places(k), c => forest%places(k)%carrier, m => 3 + forest%places(k)%n, &
-            & z => forest%nw + forest%places(k)%row, order => forest%order)
+         & z => forest%nw + forest%places(k)%row, order => forest%order)
          none = 0.0_wp
          if (c < 0) then
             call multiply(order, m, forest%block(:, :, k), x(place%w))
@@ -429,7 +429,7 @@ contains
       real(wp), intent(inout) :: x(*)
       real(wp) :: none(1)
       associate (place => forest%places(k), c => forest%places(k)%carrier, m => 3 + forest%places(k)%n, &
-            & z => forest%nw + forest%places(k)%row, order => forest%order)
+         & z => forest%nw + forest%places(k)%row, order => forest%order)
          none = 0.0_wp
          if (c == 0) then
             call spread_order(order, m, 0, place%sign, forest%reaction(:, :, k), forest%carrying(:, :, k), none, x(z), x(place%w))

@@ -179,8 +179,8 @@ contains
       forest%started(k) = .true.
       n = forest%places(k)%n
       associate (at => forest%places(k)%w, last => forest%places(k)%w + 2 + n, first => forest%places(k)%q + 4, &
-            & body => model%bodies(forest%places(k)%model)%reduced, gravity => model%gravity, h => step%h, &
-            & block => forest%block(:, :, k))
+         & body => model%bodies(forest%places(k)%model)%reduced, gravity => model%gravity, h => step%h, &
+         & block => forest%block(:, :, k))
          associate (u0 => step%q(first - 2:first - 1), u1 => step%new_q(first - 2:first - 1))
             slope = velocity_slope(h, u0, y(at:at + 2))
             call body_mass(body, [1.0_wp, 0.0_wp], step%new_q(first:first + n - 1), frame, coupling(:n, :))

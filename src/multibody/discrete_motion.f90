@@ -151,8 +151,8 @@ contains
       at = system%layout%w(i)
       last = at + 2 + system%layout%n(i)
       associate (own => step%bodies(i), u0 => step%start%frames(i)%u, u1 => work%kinematics%frames(i)%u, h => step%h, &
-            & gravity => system%model%gravity, start => step%start%lines(step%bodies(i)%line), &
-            & end => work%kinematics%lines(step%bodies(i)%line), mean => step%mean%lines(step%bodies(i)%line))
+         & gravity => system%model%gravity, start => step%start%lines(step%bodies(i)%line), &
+         & end => work%kinematics%lines(step%bodies(i)%line), mean => step%mean%lines(step%bodies(i)%line))
          before = along(step%p(at:at + 1), u0)
          after = along(step%new_p(at:at + 1), u1)
          arm = 0.5_wp*(along(start%moment(), u0) + along(end%moment(), u1))

@@ -95,7 +95,8 @@ contains
       call check_close(y(size(y)), -0.0010537192777685161_wp, 1.0e-7_wp, integrator//': y of the pin')
    end subroutine check_bush
 
-   !> A mass between the walls of a carriage that turns: it is pressed against the outer wall of a table at 5 rad/s, m w^2 (r + d) = k d.
+   !> A mass between the walls of a carriage that turns: it is pressed against the outer wall of a table at 5 rad/s, m w^2 (r + d)
+   !> = k d.
    subroutine check_wall(integrator)
       character(*), intent(in) :: integrator
       real(wp), allocatable :: u(:), force(:)

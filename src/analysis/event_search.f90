@@ -300,6 +300,7 @@ contains
       class(event_search_type), intent(inout) :: self
       type(snapshot_type), intent(inout) :: snapshot
       integer :: i
+      ! Not saved: t, w, q, v, unresolved, grazing, grazed, from, to, between, halves, trial_q, trial_v, looks, h, tolerance
       call snapshot%exchange('sides', self%side)
       do i = 1, size(self%coarse)
          call snapshot%exchange('coarse', self%coarse(i))

@@ -184,6 +184,7 @@ contains
       class(events_type), intent(inout) :: self
       type(snapshot_type), intent(inout) :: snapshot
       integer :: i, k
+      ! Not saved: memory
       call self%search%exchange(snapshot)
       call snapshot%exchange('event_counts', self%counts)
       do i = 1, size(self%told, 2)
@@ -192,6 +193,10 @@ contains
          end do
       end do
       call snapshot%exchange('full', self%full)
+      call snapshot%exchange('event_hold', self%hold)
+      call snapshot%exchange('held_event', self%held%event)
+      call snapshot%exchange('held_direction', self%held%direction)
+      call snapshot%exchange('held_found', self%held%found)
    end subroutine exchange_events
 
 end module limber_analysis_events

@@ -486,7 +486,7 @@ contains
       call snapshot%keep('acceleration', self%acceleration)
       call snapshot%exchange('swung', self%swung)
       call snapshot%exchange('span', self%span)
-      ! Not saved: n, grounded, free, shown, strained, nothing
+      ! Not saved: n, grounded, free, shown, strained, pulled, nothing
    end subroutine exchange_phase
 
 end module limber_monitor_lumping_phase

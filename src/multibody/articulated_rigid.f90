@@ -262,7 +262,7 @@ contains
       type(snapshot_type), intent(inout) :: snapshot
       call snapshot%keep('articulated', self%articulated)
       call snapshot%keep('motion', self%motion)
-      ! Not saved: usable, body, first, carrier, constants
+      ! Not saved: usable, first, carrier, constants
    end subroutine exchange_recursion
 
 end module limber_multibody_articulated_rigid

@@ -25,7 +25,7 @@ module limber_elements_event
    !> Fields of its data lines
    type(field_spec_type), parameter :: fields(*) = [ &
       & field_spec_type('EVENT', 'scalar', kind_law, '', &
-      &    'expression of the time t, places, speeds, angles and joint coordinates, as in laws of loads')]
+      &    'expression of t, places, speeds, angles and joint coordinates, as in laws of loads')]
    !> Words that ACTION takes
    type(word_spec_type), parameter :: words(*) = [ &
       & word_spec_type('EVENT', 'SAMPLE', 'the channels are noted at every crossing; the motion goes on'), &
@@ -38,22 +38,15 @@ module limber_elements_event
 
    type, extends(element_type) :: event_element_type
    contains
-      procedure :: rows
       procedure :: read
    end type event_element_type
 
 contains
 
    type(event_element_type) function event_element() result(element)
-      element%keyword = 'EVENT'
+      element%rows = keyword_rows_type(keyword, options, fields, words, example)
       element%round = 2
    end function event_element
-
-   function rows(self) result(all)
-      class(event_element_type), intent(in) :: self
-      type(keyword_rows_type) :: all
-      all = keyword_rows_type(keyword, options, fields, words, example)
-   end function rows
 
    !> Adds an event. The quantities of its scalar are found when all bodies, joints and springs are there.
    subroutine read(self, deck, index, model, diagnostics)

@@ -208,7 +208,7 @@ contains
       matters = advice%rungs(i)%step > 0 .or. advice%surprise*advice%expected(i) >= of_rigid*advice%target
    end function matters
 
-   !> Error of a higher rung as a part of the difference that it makes, as far as the probe tells: eq. (7.90).
+   !> Error of a higher rung as a part of the difference that it makes, as far as the probe tells: eq. (7.88).
    pure real(wp) function rest_beyond(rung, higher, beam) result(part)
       type(level_type), intent(in) :: rung, higher
       type(forecast_type), intent(in) :: beam

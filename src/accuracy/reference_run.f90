@@ -135,7 +135,7 @@ contains
       self%known = .true.
    end subroutine take
 
-   !> Puts the parts together that are known, eq. (7.89).
+   !> Puts the parts together that are known, eq. (7.90).
    pure subroutine combine(self, rungs, tolerance, least)
       class(reference_run_type), intent(inout) :: self
       type(level_type), intent(in) :: rungs(:)
@@ -179,7 +179,7 @@ contains
    end function place_of
 
    !> Error of a companion run as a part of its difference from the run, by the power that errors fall with; usually they fall
-   !> faster, eq. (7.88).
+   !> faster, eq. (7.87).
    pure real(wp) function rest_of(part, falling)
       !> Tolerance of the companion over that of the run, below 1
       real(wp), intent(in) :: part, falling

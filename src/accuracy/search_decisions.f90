@@ -31,7 +31,9 @@ module limber_accuracy_search_decisions
       !> Whether the functions can be measured at a smaller tolerance
       logical :: can_surer = .false.
       !> Whether functions and strain can be measured together at a moderate cost
-      logical :: can_join = .false., joined = .false.
+      logical :: can_join = .false.
+      !> How often they were: first at the tolerance of runs with strain, then at that of the companion run
+      integer :: joined = 0
       !> Whether they can be measured by still higher levels, and were
       logical :: can_further = .false., furthered = .false.
       !> Largest difference from the reference, without the error of that

@@ -113,7 +113,7 @@ contains
       request%label = label
    end function request_of
 
-   !> Measures the error of the integration by a companion run of a smaller tolerance, eq. (7.88). Where no smaller one is left, a
+   !> Measures the error of the integration by a companion run of a smaller tolerance, eq. (7.87). Where no smaller one is left, a
    !> larger one shows how far errors fall.
    subroutine time_step(s, error)
       type(search_type), intent(inout) :: s
@@ -162,7 +162,7 @@ contains
       end associate
    end subroutine time_step
 
-   !> Measures the error of the functions by a run of higher levels, eq. (7.90).
+   !> Measures the error of the functions by a run of higher levels, eq. (7.88).
    subroutine model_step(s, finely, beyond, error)
       type(search_type), intent(inout) :: s
       !> Whether at the tolerance of the companion run; so too if the run fails
@@ -204,7 +204,7 @@ contains
       end associate
    end subroutine model_step
 
-   !> Measures what the strain changes by a run of the same functions, eq. (7.86).
+   !> Measures what the strain changes by a run of the same functions, eq. (7.89).
    subroutine strain_step(s, error)
       type(search_type), intent(inout) :: s
       type(error_type), allocatable, intent(out) :: error
@@ -227,11 +227,14 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(advice_type) :: strained
       real(wp), allocatable :: change(:, :)
+      real(wp) :: tolerance
       strained = s%reached%advice
       strained%rungs = strained_rungs(strained)
       strained%rungs = higher_rungs(strained, 0)
-      s%evidence%joined = .true.
-      call find_change(s, strained%rungs, tolerance_of_strain(s), 'check of ', patience_strain, change, error)
+      tolerance = tolerance_of_strain(s)
+      if (s%evidence%joined > 0) tolerance = s%reference%tolerance
+      s%evidence%joined = s%evidence%joined + 1
+      call find_change(s, strained%rungs, tolerance, 'check of ', patience_strain, change, error)
       if (allocated(error) .or. .not. allocated(change)) return
       call take_change(s, strained%rungs, change, joint_rest)
       s%reference%of_strain = 0.0_wp*s%reference%of_strain
@@ -385,7 +388,7 @@ contains
       call next_run(s, next, patience_of(s), error)
       s%evidence%model_known = .false.
       s%evidence%strain_known = .false.
-      s%evidence%joined = .false.
+      s%evidence%joined = 0
       s%evidence%before = before
       s%evidence%time_before = 0.0_wp
       if (allocated(s%reference%change)) deallocate (s%reference%change)
@@ -412,7 +415,7 @@ contains
       call next_run(s, next, patience_of(s), error)
       s%evidence%model_known = .false.
       s%evidence%strain_known = .false.
-      s%evidence%joined = .false.
+      s%evidence%joined = 0
    end subroutine look_again
 
    !> What the measurements say together, and what can be changed.
@@ -435,11 +438,11 @@ contains
          e%can_refine = any(check%step > advice%rungs%step .and. advice%rungs%open_functions .and. &
             & advice%rungs%step < advice%rungs%highest - 1)
          e%can_strain = any(advice%rungs%open_strains .and. .not. advice%rungs%stretches .and. advice%rungs%step > 0)
-         e%can_join = e%strain_known .and. e%asks_strain .and. .not. e%joined .and. e%strain_work*cost_ratio(advice) < &
-            & together*s%candidate%work
+         e%can_join = e%strain_known .and. e%asks_strain .and. e%strain_work*cost_ratio(advice) < together*s%candidate%work
+         if (e%joined > 0) e%can_join = e%joined == 1 .and. reference%tolerance < 0.9_wp*tolerance_of_strain(s)
          e%can_surer = e%time_known .and. reference%tolerance < 0.9_wp*e%model_tolerance
          e%can_further = any(check%step > advice%rungs%step .and. check%step < check%highest) .and. &
-            & .not. (e%furthered .or. e%joined)
+            & .not. e%furthered .and. e%joined == 0
          if (.not. e%time_known) return
          if (.not. e%model_known) reference%rungs = advice%rungs
          call reference%combine(reference%rungs, reference%tolerance, merge(doubt*s%target, 0.0_wp, e%has_beams))

@@ -56,7 +56,7 @@ module limber_accuracy_search_thresholds
    ! --- Costs
 
    !> Whole search over the run that it leaves, up to which it goes on: 15 is promised
-   real(wp), parameter :: most_effort = 14.0_wp
+   real(wp), parameter :: most_effort = 13.0_wp
    !> Power of the tolerance that work falls with. Measured: RADAU, 0.1 to 0.3
    real(wp), parameter :: work_power = 0.2_wp
    !> Part of the work that a coarser setting must save; that a level must be expected to save; that is always worth a run

@@ -155,7 +155,7 @@ contains
       call check_close(strain_tolerance(1.0e-3_wp, 2.0e-4_wp, .true.), 1.0e-4_wp, 1.0e-15_wp, 'under a large axial force not')
    end subroutine test_sizes
 
-   !> A coarser setting is tried if the search stays within 14 times the work of that, or it saves half.
+   !> A coarser setting is tried if the search stays within 13 times the work of that, or it saves half.
    subroutine test_cost()
       call check(is_worth(100.0_wp, 10.0_wp, 9.0_wp), '109 for 9')
       call check(.not. is_worth(130.0_wp, 10.0_wp, 9.0_wp), '139 for 9')

@@ -23,7 +23,7 @@ module limber_accuracy_candidate
    use limber_output_sample_sink, only: memory_type
    implicit none
    private
-   public :: candidate_type, request_type, run_trial, take_samples, take_trial
+   public :: candidate_type, run_request_type, run_trial, take_samples, take_trial
 
    !> Samples in memory of a run that is given up when they leave those of another by too much
    type, extends(memory_type) :: watched_type
@@ -57,7 +57,7 @@ module limber_accuracy_candidate
    end type candidate_type
 
    !> A run that is asked for
-   type :: request_type
+   type :: run_request_type
       !> Fidelity levels of the open beams, tolerance, and the integrator in place of the deck's; blank: the deck's
       type(level_type), allocatable :: rungs(:)
       real(wp) :: tolerance = 0.0_wp
@@ -75,14 +75,14 @@ module limber_accuracy_candidate
       real(wp) :: most = huge(1.0_wp)
       !> For the progress
       character(:), allocatable :: label
-   end type request_type
+   end type run_request_type
 
 contains
 
    !> Runs a setting into memory.
    subroutine run_trial(deck, request, quiet, trial, error, pace)
       type(deck_type), intent(in) :: deck
-      type(request_type), intent(in) :: request
+      type(run_request_type), intent(in) :: request
       !> Whether the progress is not shown
       logical, intent(in) :: quiet
       type(candidate_type), intent(out) :: trial

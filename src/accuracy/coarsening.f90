@@ -8,7 +8,7 @@ module limber_accuracy_coarsening
    use limber_accuracy_run_pool, only: pool_type
    use limber_accuracy_reached_target, only: reached_type
    use limber_accuracy_fidelity_levels, only: level_type, poorer, names_of
-   use limber_accuracy_candidate, only: candidate_type, request_type, take_trial
+   use limber_accuracy_candidate, only: candidate_type, run_request_type, take_trial
    use limber_accuracy_reference_run, only: reference_run_type, error_against
    use limber_accuracy_search_decisions, only: coarser_tolerance, is_worth
    use limber_accuracy_search_thresholds, only: coarse_enough, largest_tolerance, least_patience, looser, saved, &
@@ -30,7 +30,7 @@ contains
       type(candidate_type), intent(inout) :: best
       !> The deck is wrong (status 2), or a signal asks for the end (status 4)
       type(error_type), allocatable, intent(out) :: error
-      type(request_type) :: next
+      type(run_request_type) :: next
       !> Whether it has failed to leave out the strain of a beam, to take a lower level (beams), another integrator, a larger tolerance
       logical :: unstrained(size(reached%advice%rungs)), lower(size(reached%advice%rungs)), implicit
       !> Tolerance that may be tried at most

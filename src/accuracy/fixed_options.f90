@@ -7,7 +7,7 @@ module limber_accuracy_fixed_options
    use limber_accuracy_run_pool, only: pool_type
    use limber_accuracy_reached_target, only: reached_type
    use limber_accuracy_fidelity_levels, only: level_type, given_rung, richer, verifying, level_exact
-   use limber_accuracy_candidate, only: candidate_type, request_type
+   use limber_accuracy_candidate, only: candidate_type, run_request_type
    use limber_accuracy_reference_run, only: reference_run_type, error_against, largest_difference
    use limber_accuracy_search_thresholds, only: least_patience, patience_time
    use limber_deck_content, only: deck_type, block_type
@@ -141,7 +141,7 @@ contains
       real(wp), parameter :: rest = 0.1_wp
       type(level_type), allocatable :: rungs(:), aside(:)
       type(candidate_type) :: check
-      type(request_type) :: request
+      type(run_request_type) :: request
       type(deck_type) :: freed
       real(wp), allocatable :: away(:)
       character(:), allocatable :: failure

@@ -5,7 +5,7 @@ module limber_accuracy_run_pool
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text
    use limber_accuracy_fidelity_levels, only: level_type, same_rungs, names_of
-   use limber_accuracy_candidate, only: candidate_type, request_type, run_trial
+   use limber_accuracy_candidate, only: candidate_type, run_request_type, run_trial
    use limber_accuracy_reference_run, only: reference_run_type, error_against
    use limber_accuracy_search_thresholds, only: least_budget, least_tolerance, most_first, second
    use limber_deck_content, only: deck_type
@@ -18,7 +18,7 @@ module limber_accuracy_run_pool
    !> A run that is kept, and what was asked for
    type :: entry_type
       type(candidate_type), allocatable :: trial
-      type(request_type), allocatable :: request
+      type(run_request_type), allocatable :: request
    end type entry_type
 
    !> Runs that are kept, and numbers of one that is
@@ -49,13 +49,13 @@ contains
    !> Runs a setting, or takes the run that was made already.
    subroutine run_in_pool(self, request, trial, error, aside)
       class(pool_type), intent(inout) :: self
-      type(request_type), intent(in) :: request
+      type(run_request_type), intent(in) :: request
       type(candidate_type), intent(inout) :: trial
       !> As in `run_trial`
       type(error_type), allocatable, intent(out) :: error
       !> Another deck than that of the search
       type(deck_type), intent(in), optional :: aside
-      type(request_type) :: asked
+      type(run_request_type) :: asked
       integer :: i
       if (.not. allocated(self%kept)) allocate (self%kept(most_kept))
       asked = request
@@ -93,9 +93,9 @@ contains
    !> The tolerance nearest to one that a run which is kept has, of the same models, between two bounds; else that one itself.
    real(wp) function kept_tolerance(self, request, bounds) result(nearest)
       class(pool_type), intent(in) :: self
-      type(request_type), intent(in) :: request
+      type(run_request_type), intent(in) :: request
       real(wp), intent(in) :: bounds(2)
-      type(request_type) :: other
+      type(run_request_type) :: other
       real(wp) :: away
       integer :: i
       nearest = request%tolerance
@@ -147,7 +147,7 @@ contains
 
    !> A setting for people: 'EXACT 10 + 0, TOLERANCE=1e-4'.
    function setting_words(request) result(text)
-      type(request_type), intent(in) :: request
+      type(run_request_type), intent(in) :: request
       character(:), allocatable :: text
       text = ''
       if (size(request%rungs) > 0) text = names_of(request%rungs)//', '
@@ -158,7 +158,7 @@ contains
    logical function serves(self, entry, request)
       class(pool_type), intent(in) :: self
       type(entry_type), intent(in) :: entry
-      type(request_type), intent(in) :: request
+      type(run_request_type), intent(in) :: request
       real(wp), parameter :: same = 1.0e-6_wp
       serves = .false.
       if (request%wide .or. .not. allocated(entry%trial)) return
@@ -173,9 +173,9 @@ contains
    function pace_of(self, request) result(pace)
       class(pool_type), intent(in) :: self
       !> Of the companion
-      type(request_type), intent(in) :: request
+      type(run_request_type), intent(in) :: request
       type(bound_steps_type) :: pace
-      type(request_type) :: run
+      type(run_request_type) :: run
       integer :: i
       if (request%part >= 1.0_wp) return
       run = request
@@ -223,7 +223,7 @@ contains
    !> Keeps a run, in place of the oldest.
    subroutine keep(self, request, trial)
       class(pool_type), intent(inout) :: self
-      type(request_type), intent(in) :: request
+      type(run_request_type), intent(in) :: request
       type(candidate_type), intent(in) :: trial
       if (has_steps(self%deck, request%part, trial) .or. size(trial%samples%values) > most_numbers) return
       ! Of a wide run the quantities behind the channels are left out; coordinates, which a deck may ask for, it has not

@@ -6,7 +6,7 @@ module limber_accuracy_search_steps
    use limber_base_text, only: as_text, newline
    use limber_accuracy_advice, only: advice_type, check_rung, strained_rung, is_forced, rest_beyond, note_surprise, begin_bending, &
       & expected_error, cost_of
-   use limber_accuracy_candidate, only: candidate_type, request_type, take_trial
+   use limber_accuracy_candidate, only: candidate_type, run_request_type, take_trial
    use limber_accuracy_fidelity_levels, only: level_type, richer, can_climb, same_rungs, names_of
    use limber_accuracy_reached_target, only: reached_type
    use limber_accuracy_reference_run, only: reference_run_type, error_against, largest_difference, place_of, rest_of
@@ -18,11 +18,11 @@ module limber_accuracy_search_steps
       & patience_next, patience_strain, patience_time, together
    implicit none
    private
-   public :: search_type, first_run, next_run, time_step, model_step, strain_step, tighten_step, loosen_step, refine_step, &
+   public :: target_search_type, first_run, next_run, time_step, model_step, strain_step, tighten_step, loosen_step, refine_step, &
       & joint_step, add_strain_step, look_again, weigh
 
    !> A search
-   type :: search_type
+   type :: target_search_type
       real(wp) :: target = 0.0_wp
       type(pool_type) :: pool
       type(reached_type) :: reached
@@ -32,18 +32,18 @@ module limber_accuracy_search_steps
       type(evidence_type) :: evidence
       !> Whether the tolerance was made smaller
       logical :: tightened = .false.
-   end type search_type
+   end type target_search_type
 
 contains
 
    !> The first run. Scenes with beams take RADAU, and try what AUTO takes: ADAMS at the tolerance of rigid bodies, which it needs,
    !> stays if it costs much less.
    subroutine first_run(s, error)
-      type(search_type), intent(inout) :: s
+      type(target_search_type), intent(inout) :: s
       !> The deck is wrong (status 2), or a signal asks for the end (status 4)
       type(error_type), allocatable, intent(out) :: error
       type(candidate_type) :: adams
-      type(request_type) :: request
+      type(run_request_type) :: request
       type(advice_type) :: begun
       real(wp) :: tolerance
       logical :: both, bends
@@ -77,13 +77,13 @@ contains
 
    !> Runs the next candidate. What a signal ends at the first run is what there is.
    subroutine next_run(s, advice, limit, error)
-      type(search_type), intent(inout) :: s
+      type(target_search_type), intent(inout) :: s
       !> With its rungs and tolerance
       type(advice_type), intent(in) :: advice
       real(wp), intent(in) :: limit
       type(error_type), allocatable, intent(out) :: error
       type(candidate_type) :: next
-      type(request_type) :: request
+      type(run_request_type) :: request
       logical :: first
       integer :: i
       first = s%pool%runs == 0
@@ -102,8 +102,8 @@ contains
    end subroutine next_run
 
    !> A run of the present integrator.
-   type(request_type) function request_of(s, rungs, tolerance, label) result(request)
-      type(search_type), intent(in) :: s
+   type(run_request_type) function request_of(s, rungs, tolerance, label) result(request)
+      type(target_search_type), intent(in) :: s
       type(level_type), intent(in) :: rungs(:)
       real(wp), intent(in) :: tolerance
       character(*), intent(in) :: label
@@ -116,10 +116,10 @@ contains
    !> Measures the error of the integration by a companion run of a smaller tolerance, eq. (7.87). Where no smaller one is left, a
    !> larger one shows how far errors fall.
    subroutine time_step(s, error)
-      type(search_type), intent(inout) :: s
+      type(target_search_type), intent(inout) :: s
       type(error_type), allocatable, intent(out) :: error
       type(candidate_type) :: finer
-      type(request_type) :: request
+      type(run_request_type) :: request
       real(wp), allocatable :: away(:)
       real(wp) :: part, rest
       integer :: n, i, channels
@@ -164,7 +164,7 @@ contains
 
    !> Measures the error of the functions by a run of higher levels, eq. (7.88).
    subroutine model_step(s, finely, beyond, error)
-      type(search_type), intent(inout) :: s
+      type(target_search_type), intent(inout) :: s
       !> Whether at the tolerance of the companion run; so too if the run fails
       logical, intent(in) :: finely
       !> Levels above those that verify otherwise
@@ -206,7 +206,7 @@ contains
 
    !> Measures what the strain changes by a run of the same functions, eq. (7.89).
    subroutine strain_step(s, error)
-      type(search_type), intent(inout) :: s
+      type(target_search_type), intent(inout) :: s
       type(error_type), allocatable, intent(out) :: error
       real(wp), allocatable :: change(:, :)
       associate (e => s%evidence)
@@ -223,7 +223,7 @@ contains
 
    !> Measures functions and strain by one run, where their sum is too large, eq. (7.90).
    subroutine joint_step(s, error)
-      type(search_type), intent(inout) :: s
+      type(target_search_type), intent(inout) :: s
       type(error_type), allocatable, intent(out) :: error
       type(advice_type) :: strained
       real(wp), allocatable :: change(:, :)
@@ -242,7 +242,7 @@ contains
 
    !> Runs other models, and gives what they change: against the candidate at its tolerance, else against the companion run.
    subroutine find_change(s, rungs, tolerance, label, patience, change, error, work)
-      type(search_type), intent(inout) :: s
+      type(target_search_type), intent(inout) :: s
       type(level_type), intent(in) :: rungs(:)
       real(wp), intent(in) :: tolerance
       character(*), intent(in) :: label
@@ -254,7 +254,7 @@ contains
       !> Counted work of the run
       real(wp), intent(inout), optional :: work
       type(candidate_type) :: check
-      type(request_type) :: request
+      type(run_request_type) :: request
       integer :: channels, n
       channels = size(s%reference%scale)
       n = s%candidate%samples%samples
@@ -273,7 +273,7 @@ contains
 
    !> Takes what higher levels change for a part of the reference.
    subroutine take_change(s, rungs, change, least)
-      type(search_type), intent(inout) :: s
+      type(target_search_type), intent(inout) :: s
       type(level_type), intent(in) :: rungs(:)
       real(wp), intent(in) :: change(:, :)
       !> Part of it that the error left is at least
@@ -303,7 +303,7 @@ contains
 
    !> Tolerance of runs with strain.
    pure real(wp) function tolerance_of_strain(s) result(tolerance)
-      type(search_type), intent(in) :: s
+      type(target_search_type), intent(in) :: s
       integer :: i
       tolerance = strain_tolerance(s%reached%advice%tolerance, s%reference%tolerance, &
          & any([(is_forced(s%reached%advice, i), i=1, size(s%reached%advice%rungs))]))
@@ -322,7 +322,7 @@ contains
 
    !> The smaller tolerance that the companion run has.
    subroutine tighten_step(s, error)
-      type(search_type), intent(inout) :: s
+      type(target_search_type), intent(inout) :: s
       type(error_type), allocatable, intent(out) :: error
       type(advice_type) :: next
       next = s%reached%advice
@@ -336,7 +336,7 @@ contains
 
    !> A larger tolerance; the run that was made verifies it.
    subroutine loosen_step(s, error)
-      type(search_type), intent(inout) :: s
+      type(target_search_type), intent(inout) :: s
       type(error_type), allocatable, intent(out) :: error
       type(advice_type) :: next
       next = s%reached%advice
@@ -346,7 +346,7 @@ contains
 
    !> Higher levels: those that have verified, or more.
    subroutine refine_step(s, error)
-      type(search_type), intent(inout) :: s
+      type(target_search_type), intent(inout) :: s
       type(error_type), allocatable, intent(out) :: error
       type(advice_type) :: next
       type(level_type) :: check
@@ -368,7 +368,7 @@ contains
 
    !> The beams with strain.
    subroutine add_strain_step(s, error)
-      type(search_type), intent(inout) :: s
+      type(target_search_type), intent(inout) :: s
       type(error_type), allocatable, intent(out) :: error
       type(advice_type) :: next
       next = s%reached%advice
@@ -380,7 +380,7 @@ contains
 
    !> Runs other models; nothing is known of them.
    subroutine new_models(s, next, before, error)
-      type(search_type), intent(inout) :: s
+      type(target_search_type), intent(inout) :: s
       type(advice_type), intent(in) :: next
       !> Error of the functions so far, relative; zero: it says nothing of these
       real(wp), intent(in) :: before
@@ -397,13 +397,13 @@ contains
 
    !> Work that the next candidate may take.
    pure real(wp) function patience_of(s) result(work)
-      type(search_type), intent(in) :: s
+      type(target_search_type), intent(in) :: s
       work = least_patience + patience_next*s%candidate%work
    end function patience_of
 
    !> Two runs that agree may both miss what a finer run of an earlier pair has met: then a smaller tolerance decides, eq. (7.94).
    subroutine look_again(s, error)
-      type(search_type), intent(inout) :: s
+      type(target_search_type), intent(inout) :: s
       type(error_type), allocatable, intent(out) :: error
       type(advice_type) :: next
       next = s%reached%advice
@@ -420,7 +420,7 @@ contains
 
    !> What the measurements say together, and what can be changed.
    subroutine weigh(s)
-      type(search_type), intent(inout) :: s
+      type(target_search_type), intent(inout) :: s
       type(level_type) :: check(size(s%reached%advice%rungs)), strained(size(s%reached%advice%rungs))
       integer :: i, n
       associate (advice => s%reached%advice, e => s%evidence, reached => s%reached, reference => s%reference)
@@ -465,14 +465,14 @@ contains
 
    !> A line of the way.
    subroutine tell(s, text)
-      type(search_type), intent(inout) :: s
+      type(target_search_type), intent(inout) :: s
       character(*), intent(in) :: text
       s%reached%path = s%reached%path//newline//'   '//text
    end subroutine tell
 
    !> A line of other models.
    subroutine tell_model(s, next)
-      type(search_type), intent(inout) :: s
+      type(target_search_type), intent(inout) :: s
       type(advice_type), intent(in) :: next
       if (s%reached%of_model < 1.0e3_wp) then
          call tell(s, 'the model had an error of '//as_text(s%reached%of_model, 2)//s%reached%place_of_model//': '// &

@@ -14,8 +14,8 @@ module limber_accuracy_target_search
    use limber_accuracy_search_decisions, only: next_trial, measure_time, measure_model, measure_strain, tighten, loosen, refine, &
       & measure_finely, measure_together, &
       & measure_further, add_strain, keep, give_up, is_complete
-   use limber_accuracy_search_steps, only: search_type, first_run, next_run, time_step, model_step, strain_step, tighten_step, &
-      & loosen_step, refine_step, joint_step, add_strain_step, look_again, weigh
+   use limber_accuracy_search_steps, only: target_search_type, first_run, next_run, time_step, model_step, strain_step, &
+      & joint_step, tighten_step, loosen_step, refine_step, add_strain_step, look_again, weigh
    use limber_accuracy_search_thresholds, only: least_patience, least_verified, most_looks, most_rounds, patience_next
    use limber_deck_content, only: deck_type
    implicit none
@@ -43,7 +43,7 @@ contains
       type(reached_type), intent(out) :: reached
       !> The deck is wrong (status 2)
       type(error_type), allocatable, intent(out) :: error
-      type(search_type) :: s
+      type(target_search_type) :: s
       s%target = target
       s%pool%deck = deck
       s%pool%quiet = quiet
@@ -68,7 +68,7 @@ contains
 
    !> The search itself.
    subroutine search(s, error)
-      type(search_type), intent(inout) :: s
+      type(target_search_type), intent(inout) :: s
       !> The deck is wrong (status 2), or a signal asks for the end (status 4)
       type(error_type), allocatable, intent(out) :: error
       type(best_type) :: best
@@ -157,7 +157,7 @@ contains
 
    !> Whether a finer run had met what the last two miss, and a smaller tolerance is left.
    pure logical function forgets(s)
-      type(search_type), intent(in) :: s
+      type(target_search_type), intent(in) :: s
       associate (advice => s%reached%advice, shown => s%reached%shown)
          forgets = advice%open_tolerance .and. advice%tolerance > least_verified .and. shown%looks < most_looks
          if (forgets) forgets = shown%is_forgotten(advice%rungs, s%reference%values, s%reference%scale, s%target)
@@ -166,7 +166,7 @@ contains
 
    !> Goes up with all beams in place of a run that has failed.
    subroutine replace_failed(s, error)
-      type(search_type), intent(inout) :: s
+      type(target_search_type), intent(inout) :: s
       type(error_type), allocatable, intent(out) :: error
       type(advice_type) :: next
       next = s%reached%advice

@@ -8,8 +8,8 @@ program test_verification
    use limber_accuracy_pilot_scenes, only: build_exact
    use limber_accuracy_fidelity_levels, only: level_type, find_rungs
    use limber_scene_scene, only: scene_type
-   use limber_accuracy_candidate, only: candidate_type, request_type
-   use limber_accuracy_search_steps, only: search_type, strain_step, weigh
+   use limber_accuracy_candidate, only: candidate_type, run_request_type
+   use limber_accuracy_search_steps, only: target_search_type, strain_step, weigh
    use limber_deck_content, only: deck_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_reader, only: read_deck_text
@@ -70,7 +70,7 @@ contains
       type(deck_type) :: deck
       type(pool_type) :: pool
       type(candidate_type) :: trial
-      type(request_type) :: request
+      type(run_request_type) :: request
       type(error_type), allocatable :: error
       call read(deck, '*POINT MASS, NAME=bob, MASS=1, X=2'//nl//'*JOINT, NAME=rail, TYPE=POINT ON LINE'//nl// &
          & ' bob, ground.origin'//nl// &
@@ -114,8 +114,8 @@ contains
    subroutine test_strain()
       real(wp), parameter :: stretch = 5.0e-3_wp
       type(deck_type) :: deck
-      type(search_type) :: s
-      type(request_type) :: request
+      type(target_search_type) :: s
+      type(run_request_type) :: request
       type(error_type), allocatable :: error
       call read(deck, '*PARAMETER'//nl//' density = 1000, speed = 15, young = density*speed**2/0.015'//nl// &
          & '*MATERIAL, NAME=m, YOUNG=young, DENSITY=density'//nl//'*SECTION, NAME=s, SHAPE=CIRCLE, DIAMETER=0.1'//nl// &

@@ -4,12 +4,14 @@ module limber_accuracy_advice
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_accuracy_pilot_run, only: pilot_type, forecast_type, make_probe
-   use limber_accuracy_fidelity_levels, only: level_type, find_rungs, apply_rung, functions_of, strains_of, verifying, level_exact
+   use limber_accuracy_fidelity_levels, only: level_type, find_rungs, apply_rung, functions_of, strains_of, richer, &
+      & verifying, level_exact
+   use limber_accuracy_search_thresholds, only: largest_tolerance
    use limber_deck_content, only: deck_type
    implicit none
    private
-   public :: advice_type, make_advice, apply_advice, expected_error, expected_stretch, cost_of, check_rung, vibrates, rest_beyond, &
-      & note_surprise, begin_bending, deck_of
+   public :: advice_type, make_advice, apply_advice, expected_error, expected_stretch, cost_of, check_rung, strained_rung, &
+      & is_forced, rest_beyond, note_surprise, begin_bending
 
    !> What is advised
    type :: advice_type
@@ -36,8 +38,6 @@ module limber_accuracy_advice
    !> Part of the target below which the expected error of a beam does not matter, and part below which all that its deflection does
    !> to the channels does not
    real(wp), parameter :: no_matter = 0.02_wp, no_effect = 0.2_wp
-   !> Largest tolerance that is advised
-   real(wp), parameter :: largest_tolerance = 1.0e-2_wp
 
 contains
 
@@ -155,23 +155,29 @@ contains
       if (strains_of(rung) > 0) cost = 3*cost
    end function cost_of
 
-   !> The rung of a beam in a run that is to verify another: two higher, and with strain where that is expected to matter, or may.
-   pure type(level_type) function check_rung(advice, i, doubted) result(check)
+   !> The rung of a beam in a run that is to verify another; the same if the beam is not to be verified.
+   pure type(level_type) function check_rung(advice, i) result(check)
       type(advice_type), intent(in) :: advice
       integer, intent(in) :: i
-      !> Whether the strain is to be there also where nothing is known of it, or the probe has been wrong of the bending
-      logical, intent(in) :: doubted
+      check = advice%rungs(i)
+      if (matters(advice, i)) check = verifying(check, .false.)
+   end function check_rung
+
+   !> A beam with strain, if that is expected to matter, or may.
+   pure type(level_type) function strained_rung(advice, i) result(check)
+      type(advice_type), intent(in) :: advice
+      integer, intent(in) :: i
       !> What an axial force in units of Euler's load makes of the bending by the stretch, which no channel of the rigid scene shows
       real(wp), parameter :: of_force = 4.0e-3_wp
       !> Part of the beam's share of the target that the stretch must be expected to make
       real(wp), parameter :: of_stretch = 0.1_wp
-      associate (rung => advice%rungs(i), beam => advice%probe%beams(i))
-         check = rung
+      associate (beam => advice%probe%beams(i))
+         check = advice%rungs(i)
          if (.not. matters(advice, i)) return
-         check = verifying(rung, merge(advice%surprise, 1.0_wp, doubted)*max(whole_stretch(beam), of_force*beam%force) > &
-            & of_stretch*advice%share/part_model .or. vibrates(advice, i, doubted))
+         check = richer(check, 0, advice%surprise*max(whole_stretch(beam), of_force*beam%force) > &
+            & of_stretch*advice%share/part_model .or. is_forced(advice, i) .or. advice%probe%blind)
       end associate
-   end function check_rung
+   end function strained_rung
 
    !> Takes note of an error of the models that a verification has shown.
    pure subroutine note_surprise(advice, error)
@@ -183,15 +189,14 @@ contains
          & advice%surprise = max(advice%surprise, error/max(sum(advice%expected), error/most))
    end subroutine note_surprise
 
-   !> Whether axial vibrations of a beam matter to its bending, or may, as nothing is known of them.
-   pure logical function vibrates(advice, i, doubted)
+   !> Whether the axial force of a beam is so large that its axial vibrations matter to its bending.
+   pure logical function is_forced(advice, i)
       type(advice_type), intent(in) :: advice
       integer, intent(in) :: i
-      logical, intent(in) :: doubted
       !> Axial force in units of Euler's load from which on they do
       real(wp), parameter :: forced = 0.3_wp
-      vibrates = doubted .and. advice%probe%blind .or. advice%probe%beams(i)%force > forced
-   end function vibrates
+      is_forced = advice%probe%beams(i)%force > forced
+   end function is_forced
 
    !> Whether a beam is to be verified: always if it bends, for the probe moves it slowly and by loads that do not answer its
    !> motion;
@@ -204,7 +209,7 @@ contains
       matters = advice%rungs(i)%step > 0 .or. advice%surprise*advice%expected(i) >= of_rigid*advice%target
    end function matters
 
-   !> Error of a higher rung as a part of the difference that it makes, as far as the probe tells: eq. (7.90).
+   !> Error of a higher rung as a part of the difference that it makes, as far as the probe tells: eq. (7.88).
    pure real(wp) function rest_beyond(rung, higher, beam) result(part)
       type(level_type), intent(in) :: rung, higher
       type(forecast_type), intent(in) :: beam
@@ -253,15 +258,6 @@ contains
       if (any(advice%rungs%step > 0)) tolerance = max(part_least*advice%target, tolerance)
       tolerance = max(smallest, min(largest_tolerance, tolerance))
    end function wanted_tolerance
-
-   !> A deck with the integrator that has turned out better.
-   function deck_of(advice, deck) result(chosen)
-      type(advice_type), intent(in) :: advice
-      type(deck_type), intent(in) :: deck
-      type(deck_type) :: chosen
-      chosen = deck
-      if (advice%integrator /= '') call chosen%set_option(deck%find('DYNAMICS'), 'INTEGRATOR', advice%integrator, given=.true.)
-   end function deck_of
 
    !> Writes the choices into a deck.
    subroutine apply_advice(advice, deck)

@@ -23,14 +23,7 @@ module limber_accuracy_candidate
    use limber_output_sample_sink, only: memory_type
    implicit none
    private
-   public :: candidate_type, run_trial, take_samples, take_trial
-
-   !> Counted work, eq. (7.97), that every run of a search may take: a second or two, as runs may be short and what verifies them
-   !> not
-   real(wp), parameter, public :: least_patience = 5.0e5_wp
-   !> Least tolerance, and the least of a run that a smaller one can verify
-   real(wp), parameter, public :: least_tolerance = 1.0e-13_wp
-   real(wp), parameter, public :: least_verified = 1.0e-12_wp
+   public :: candidate_type, run_request_type, run_trial, take_samples, take_trial
 
    !> Samples in memory of a run that is given up when they leave those of another by too much
    type, extends(memory_type) :: watched_type
@@ -63,26 +56,38 @@ module limber_accuracy_candidate
       character(name_length), allocatable :: names(:)
    end type candidate_type
 
+   !> A run that is asked for
+   type :: run_request_type
+      !> Fidelity levels of the open beams, tolerance, and the integrator in place of the deck's; blank: the deck's
+      type(level_type), allocatable :: rungs(:)
+      real(wp) :: tolerance = 0.0_wp
+      character(5) :: integrator = ''
+      !> Its tolerance over that of the run that it verifies: steps that the deck gives become shorter, as those of order two would
+      real(wp) :: part = 1.0_wp
+      !> Counted work after which it is given up
+      real(wp) :: limit = huge(1.0_wp)
+      !> Whether the quantities of the channels are sampled too, and their scales found
+      logical :: wide = .false.
+      !> The integrator that AUTO must choose, or nothing is run; blank: any
+      character(5) :: only = ''
+      !> Samples that it may leave only by so much, in each channel, or it is given up; and work of its steps after which it is
+      real(wp), allocatable :: truth(:, :), allowed(:)
+      real(wp) :: most = huge(1.0_wp)
+      !> For the progress
+      character(:), allocatable :: label
+   end type run_request_type
+
 contains
 
    !> Runs a setting into memory.
-   subroutine run_trial(deck, rungs, tolerance, part, limit, wide, quiet, label, trial, error, truth, allowed, most, only, pace)
+   subroutine run_trial(deck, request, quiet, trial, error, pace)
       type(deck_type), intent(in) :: deck
-      type(level_type), intent(in) :: rungs(:)
-      !> Tolerance, and what part it is of that of the run: steps that the deck gives are shortened as those of order two would be;
-      !> counted work after which the run is given up
-      real(wp), intent(in) :: tolerance, part, limit
-      !> Whether the quantities of the channels are sampled too, and their scales found
-      logical, intent(in) :: wide, quiet
-      !> For the progress
-      character(*), intent(in) :: label
+      type(run_request_type), intent(in) :: request
+      !> Whether the progress is not shown
+      logical, intent(in) :: quiet
       type(candidate_type), intent(out) :: trial
       !> The deck is wrong (status 2), or a signal asks for the end (status 4); of the run there is what it had come to then
       type(error_type), allocatable, intent(out) :: error
-      !> Samples that it may leave only by so much, in each channel, or it is given up; and after so much work
-      real(wp), intent(in), optional :: truth(:, :), allowed(:), most
-      !> The integrator that AUTO must choose, or nothing is run
-      character(*), intent(in), optional :: only
       !> Steps of the run that it verifies
       type(bound_steps_type), intent(in), optional :: pace
       type(scene_type) :: scene
@@ -95,24 +100,26 @@ contains
       trial%reason = ''
       allocate (trial%outcome)
       scene%deck = deck
-      do i = 1, size(rungs)
-         call apply_rung(rungs(i), scene%deck)
+      if (request%integrator /= '') call scene%deck%set_option(deck%find('DYNAMICS'), 'INTEGRATOR', trim(request%integrator), &
+         & given=.true.)
+      do i = 1, size(request%rungs)
+         call apply_rung(request%rungs(i), scene%deck)
       end do
-      call scene%deck%set_number(deck%find('DYNAMICS'), 'TOLERANCE', tolerance)
+      call scene%deck%set_number(deck%find('DYNAMICS'), 'TOLERANCE', request%tolerance)
       call build_scene(scene, diagnostics, error)
       if (allocated(error)) return
       trial%integrator = scene%system%model%dynamics%integrator
-      if (present(only)) then
-         if (trial%integrator /= only) trial%reason = 'AUTO chooses another integrator'
-         if (trial%reason /= '') return
+      if (request%only /= '' .and. trial%integrator /= request%only) then
+         trial%reason = 'AUTO chooses another integrator'
+         return
       end if
-      associate (model => scene%system%model)
+      associate (model => scene%system%model, part => request%part)
          width = size(model%channels)
          allocate (trial%names(width))
          do i = 1, width
             trial%names(i) = model%channels(i)%name
          end do
-         if (wide) then
+         if (request%wide) then
             call move_alloc(model%channels, channels)
             call add_quantities(channels, model%channels)
             model%motion = .false.
@@ -122,19 +129,21 @@ contains
          model%dynamics%maximum_step = part**(1.0_wp/3)*model%dynamics%maximum_step
          model%dynamics%fixed_step = part**(1.0_wp/3)*model%dynamics%fixed_step
          call new_integrator(model%dynamics, integrator)
-         call trial%samples%start(width, model%dynamics%outputs + 1, huge(limit))
-         trial%samples%most_evaluations = int(min(limit/work_of(scene%system%layout%nw), 1.0e18_wp), long)
+         call trial%samples%start(width, model%dynamics%outputs + 1, huge(1.0_wp))
+         trial%samples%most_evaluations = int(min(request%limit/work_of(scene%system%layout%nw), 1.0e18_wp), long)
          trial%samples%heeds_signals = .true.
-         if (present(truth)) allocate (trial%samples%truth, source=truth)
-         if (present(allowed)) allocate (trial%samples%allowed, source=allowed)
-         if (present(most)) model%dynamics%maximum_steps = min(model%dynamics%maximum_steps, most_steps(most))
-         if (.not. quiet) call progress%start(model%dynamics%start, model%dynamics%end, label)
+         if (allocated(request%truth)) then
+            allocate (trial%samples%truth, source=request%truth)
+            allocate (trial%samples%allowed, source=request%allowed)
+         end if
+         model%dynamics%maximum_steps = min(model%dynamics%maximum_steps, most_steps())
+         if (.not. quiet) call progress%start(model%dynamics%start, model%dynamics%end, request%label)
          call run_dynamics(scene, integrator, trial%samples, progress, trial%outcome, failure, pace=pace)
          if (present(pace)) trial%outcome%bound%factor = merge(pace%factor, 1.0_wp, pace%prevail())
          if (.not. quiet) call progress%finish()
          trial%statistics = integrator%statistics
          if (signal_came()) then
-            call raise(error, 'interrupted by '//signal_name()//" in the run '"//label//"' at t = "// &
+            call raise(error, 'interrupted by '//signal_name()//" in the run '"//request%label//"' at t = "// &
                & as_text(trial%outcome%reached, 4), status_interrupted)
             return
          end if
@@ -147,19 +156,18 @@ contains
          else if (.not. all(ieee_is_finite(trial%samples%values))) then
             trial%reason = 'a channel is not finite'
          end if
-         if (wide .and. trial%reason == '') call find_scales(channels, trial)
+         if (request%wide .and. trial%reason == '') call find_scales(channels, trial)
       end associate
 
    contains
 
       !> Steps after which it has cost too much, by the evaluations that each takes at least.
-      pure integer function most_steps(most)
-         real(wp), intent(in) :: most
+      pure integer function most_steps()
          integer :: each
          each = 1
          if (scene%system%model%dynamics%integrator == 'ALPHA') each = 2
          if (scene%system%model%dynamics%integrator == 'RADAU') each = 9
-         most_steps = 1 + int(min(1.0e8_wp, most/(each*work_of(scene%system%layout%nw))))
+         most_steps = 1 + int(min(1.0e8_wp, request%most/(each*work_of(scene%system%layout%nw))))
       end function most_steps
 
    end subroutine run_trial

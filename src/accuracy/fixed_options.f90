@@ -7,8 +7,9 @@ module limber_accuracy_fixed_options
    use limber_accuracy_run_pool, only: pool_type
    use limber_accuracy_reached_target, only: reached_type
    use limber_accuracy_fidelity_levels, only: level_type, given_rung, richer, verifying, level_exact
-   use limber_accuracy_candidate, only: candidate_type
+   use limber_accuracy_candidate, only: candidate_type, run_request_type
    use limber_accuracy_reference_run, only: reference_run_type, error_against, largest_difference
+   use limber_accuracy_search_thresholds, only: least_patience, patience_time
    use limber_deck_content, only: deck_type, block_type
    use limber_deck_families, only: options_of_modes
    implicit none
@@ -127,10 +128,8 @@ contains
 
    !> Runs the scene aside with all free that the deck fixes, higher, and counts the difference: eq. (7.95). That run is the truth
    !> from then on.
-   subroutine verify_fixed(deck, target, quiet, pool, candidate, reached, truth, error)
-      type(deck_type), intent(in) :: deck
+   subroutine verify_fixed(target, pool, candidate, reached, truth, error)
       real(wp), intent(in) :: target
-      logical, intent(in) :: quiet
       type(pool_type), intent(inout) :: pool
       type(candidate_type), intent(in) :: candidate
       !> With a target that is kept but for what the deck fixes; on return it may not be
@@ -142,18 +141,25 @@ contains
       real(wp), parameter :: rest = 0.1_wp
       type(level_type), allocatable :: rungs(:), aside(:)
       type(candidate_type) :: check
+      type(run_request_type) :: request
       type(deck_type) :: freed
       real(wp), allocatable :: away(:)
       character(:), allocatable :: failure
       integer :: channels, n
       if (allocated(truth%freed) .or. reached%fixed == '') return
-      freed = deck
+      freed = pool%deck
+      if (reached%advice%integrator /= '') &
+         & call freed%set_option(freed%find('DYNAMICS'), 'INTEGRATOR', trim(reached%advice%integrator), given=.true.)
       call free_options(freed)
       if (freed%blocks(freed%find('DYNAMICS'))%word('INTEGRATOR') == 'ADAMS') &
          & call freed%set_option(freed%find('DYNAMICS'), 'INTEGRATOR', 'AUTO')
-      call free_rungs(deck, truth%rungs, rungs, aside)
-      call pool%check(freed, [rungs, aside], reached%advice%tolerance, truth%tolerance/reached%advice%tolerance, &
-         & 60*candidate%work, .false., quiet, 'run aside, with all free that the deck fixes', check, error, fresh=.true.)
+      call free_rungs(pool%deck, truth%rungs, rungs, aside)
+      request%rungs = [rungs, aside]
+      request%tolerance = truth%tolerance
+      request%part = truth%tolerance/reached%advice%tolerance
+      request%limit = least_patience + patience_time*candidate%work
+      request%label = 'run aside, with all free that the deck fixes'
+      call pool%run(request, check, error, freed)
       if (allocated(error)) then
          if (error%status == status_interrupted) return
          failure = first_line(error%message)
@@ -171,7 +177,7 @@ contains
       n = size(truth%values, 2)
       allocate (away, source=largest_difference(check%samples%values, truth%values))
       reached%of_fixed = maxval(away/truth%scale)
-      call truth%take(rungs, truth%tolerance, check%samples%values(:channels, :n), check%work, truth%rest + rest*away)
+      call truth%take(rungs, truth%tolerance, check%samples%values(:channels, :n), truth%rest + rest*away)
       call move_alloc(aside, truth%aside)
       truth%freed = freed
       reached%error = error_against(truth, candidate%samples%values)

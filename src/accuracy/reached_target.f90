@@ -34,30 +34,20 @@ module limber_accuracy_reached_target
       real(wp) :: error = 0.0_wp, of_time = 0.0_wp, of_model = 0.0_wp
       !> The channel and the time of each, for people: " in 'M0' at t = 0.013"; not allocated or empty: not known
       character(:), allocatable :: place, place_of_time, place_of_model
-      !> The part of the models before the last climb; zero: they did not climb
-      real(wp) :: before = 0.0_wp
       !> What runs have shown of the integration
       type(shown_type) :: shown
       !> What the deck fixes of beams, and the error of that, relative; models that nothing verifies. Empty: there are none
       character(:), allocatable :: fixed, unverified
       !> Whether beams vibrate along themselves in ways that their functions of the strain do not follow; finer runs do not show it
       logical :: rings = .false.
-      !> Whether the strain is verified where nothing is known of it: all else keeps the target
-      logical :: doubted = .false.
       !> Whether a beam is rigid in the finest run too, as nothing is expected of its bending
       logical :: believed = .false.
       real(wp) :: of_fixed = 0.0_wp
-      !> Number of runs, of climbs, CPU seconds of all runs and their counted work
-      integer :: runs = 0, climbs = 0
+      !> Number of runs, CPU seconds of all runs and their counted work
+      integer :: runs = 0
       real(wp) :: cpu = 0.0_wp, work = 0.0_wp
       !> Whether a run was given up as the search had cost all that it may
       logical :: spent = .false.
-      !> Whether a tolerance was too large; the tolerance and the error of the integration before it was made smaller; whether that
-      !> was of no use, as only a model that lacks what a channel shows leaves round-off there
-      logical :: tightened = .false., useless = .false.
-      !> Whether the models have climbed for that, and that was of no use either: the error falls slowly, and the tolerance with it
-      logical :: gave_way = .false., slow = .false.
-      real(wp) :: tolerance_before = 0.0_wp, of_time_before = 0.0_wp
       !> What was climbed, a line for each
       character(:), allocatable :: path
    end type reached_type

@@ -1,39 +1,39 @@
-!> Reference run of a search. Floor: accuracy. Equations: doc/theory, part 7.
+!> Reference of a search. It is the companion run of a smaller tolerance, and what higher levels have changed. Floor: accuracy.
+!> Equations: doc/theory, part 7.
 module limber_accuracy_reference_run
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
    use limber_scene_channel_errors, only: magnitude
    use limber_accuracy_fidelity_levels, only: level_type, same_rungs
+   use limber_accuracy_search_thresholds, only: least_power, usual_power, usually
    use limber_deck_content, only: deck_type
    implicit none
    private
-   public :: reference_run_type, shown_type, error_against, largest_difference, place_of
+   public :: reference_run_type, shown_type, error_against, largest_difference, place_of, rest_of
 
-   !> Powers of the tolerance that errors of the integration are taken to fall with: at most, where nothing else is known, and at
-   !> least
-   real(wp), parameter :: usual = 0.6_wp, slowest = 0.15_wp
-
-   !> The finest run so far
+   !> The reference
    type :: reference_run_type
       logical :: known = .false.
-      !> Whether its own error contains what strain makes that it has not
-      logical :: strained = .false.
-      !> Its rungs, tolerance, and the counted work of its time loop
+      !> Its highest rungs, and its tolerance
       type(level_type), allocatable :: rungs(:)
-      real(wp) :: tolerance = 0.0_wp, work = 0.0_wp
+      real(wp) :: tolerance = 0.0_wp
       !> Its channels (channels, samples)
       real(wp), allocatable :: values(:, :)
-      !> What errors of the channels are relative to (channels): the largest values of the truth, or those of its terms
+      !> What errors of the channels are relative to (channels): the largest values of the reference, or those of its terms
       real(wp), allocatable :: scale(:)
       logical, allocatable :: of_terms(:)
       !> Its own error, estimated (channels)
       real(wp), allocatable :: rest(:)
-      !> The deck with all free that it fixes of the fidelity, and the beams that are open in it alone; allocated if the truth is a
-      !> run of it
+      !> Its parts: the run of the smallest tolerance, what higher levels change (channels, samples); errors that both leave, and
+      !> what the strain changes (channels)
+      real(wp), allocatable :: finest(:, :), change(:, :), of_time(:), of_model(:), of_strain(:)
+      !> The deck with all free that it fixes of the fidelity, and the beams that are open in it alone; allocated if the reference is
+      !> a run of it
       type(deck_type), allocatable :: freed
       type(level_type), allocatable :: aside(:)
    contains
       procedure :: take
+      procedure :: combine
    end type reference_run_type
 
    !> What pairs of runs have shown of the integration so far
@@ -42,7 +42,7 @@ module limber_accuracy_reference_run
       real(wp) :: tolerance(2) = 0.0_wp, of_time(2) = 0.0_wp
       integer :: pairs = 0
       !> The power of the tolerance that errors of the integration fall with, as far as pairs show, and the rungs of the last pair
-      real(wp) :: falling = usual
+      real(wp) :: falling = usual_power
       type(level_type), allocatable :: last(:)
       !> The pair that differed most, and by more than the target: the run and the finer one (channels, samples), with these rungs,
       !> by so much, relative. Not allocated: none did
@@ -81,8 +81,8 @@ contains
       allocate (self%rungs, source=rungs)
    end subroutine take_pair
 
-   !> How errors of the integration fall, from two pairs of the same models: slowly where a sudden load makes vibrations that no
-   !> step follows. What is next to nothing beside the target shows round-off only.
+   !> How errors of the integration fall, from two pairs of the same models: slowly where a sudden load makes vibrations that no step
+   !> follows. What is next to nothing beside the target shows round-off only.
    pure subroutine learn(self, rungs, tolerance, of_time, target)
       class(shown_type), intent(inout) :: self
       !> As those of `take`, before the pair is taken
@@ -93,7 +93,7 @@ contains
       if (self%pairs > 0) then
          decades = log(tolerance/self%tolerance(2))
          if (same_rungs(rungs, self%last) .and. abs(decades) > same .and. min(of_time, self%of_time(2)) > nothing*target) &
-            & self%falling = max(slowest, min(usual, log(of_time/self%of_time(2))/decades))
+            & self%falling = max(least_power, min(usual_power, log(of_time/self%of_time(2))/decades))
       end if
       self%last = rungs
    end subroutine learn
@@ -114,29 +114,43 @@ contains
       is_forgotten = to_finer > target .and. to_run < to_finer
    end function is_forgotten
 
-   !> Takes a run for the truth.
-   pure subroutine take(self, rungs, tolerance, values, work, rest)
+   !> Takes a run for the reference.
+   pure subroutine take(self, rungs, tolerance, values, rest)
       class(reference_run_type), intent(inout) :: self
       type(level_type), intent(in) :: rungs(:)
       real(wp), intent(in) :: tolerance
-      !> Samples of the run (channels, samples); its counted work; its own error, estimated (channels)
-      real(wp), intent(in) :: values(:, :), work, rest(:)
+      !> Samples of the run (channels, samples); its own error, estimated (channels)
+      real(wp), intent(in) :: values(:, :), rest(:)
       integer :: c
-      if (allocated(self%rungs)) deallocate (self%rungs, self%values, self%rest)
+      self%rungs = rungs
+      self%values = values
+      self%rest = rest
       if (allocated(self%freed)) deallocate (self%freed)
       if (allocated(self%aside)) deallocate (self%aside)
       allocate (self%aside(0))
-      allocate (self%rungs, source=rungs)
-      allocate (self%values, source=values)
-      allocate (self%rest, source=rest)
       do c = 1, size(self%scale)
          if (.not. self%of_terms(c)) self%scale(c) = magnitude(values(c, :))
       end do
       self%tolerance = tolerance
-      self%work = work
-      self%strained = .false.
       self%known = .true.
    end subroutine take
+
+   !> Puts the parts together that are known, eq. (7.90).
+   pure subroutine combine(self, rungs, tolerance, least)
+      class(reference_run_type), intent(inout) :: self
+      type(level_type), intent(in) :: rungs(:)
+      real(wp), intent(in) :: tolerance
+      !> Least error of it, relative
+      real(wp), intent(in) :: least
+      real(wp), allocatable :: values(:, :), rest(:)
+      allocate (values, source=self%finest)
+      allocate (rest, source=self%of_time)
+      if (allocated(self%change)) values = values + self%change
+      if (allocated(self%change)) rest = rest + self%of_model
+      if (allocated(self%of_strain)) rest = rest + self%of_strain
+      call self%take(rungs, tolerance, values, rest)
+      self%rest = max(rest, least*self%scale)
+   end subroutine combine
 
    !> Largest error of a run over channels and samples, relative: its difference from the truth, and the error of that; eq. (7.92).
    pure real(wp) function error_against(truth, values) result(error)
@@ -163,6 +177,14 @@ contains
       k = maxloc(abs(a(c, :size(b, 2)) - b(c, :)))
       text = " in '"//trim(names(c))//"' at t = "//as_text(times(k(1)), 3)
    end function place_of
+
+   !> Error of a companion run as a part of its difference from the run, by the power that errors fall with; usually they fall
+   !> faster, eq. (7.87).
+   pure real(wp) function rest_of(part, falling)
+      !> Tolerance of the companion over that of the run, below 1
+      real(wp), intent(in) :: part, falling
+      rest_of = usually*part**falling/(1 - part**falling)
+   end function rest_of
 
    !> Largest difference of two runs in each channel.
    pure function largest_difference(a, b) result(away)

@@ -1,17 +1,15 @@
-!> Decisions of a search for a target: which rungs verify a beam, also where the probe has been wrong; runs that are there already;
+!> Parts of a search for a target: which rungs verify a beam, also where the probe has been wrong; runs that are there already;
 !> what strain makes where nothing is known of it; and what beams are given that joints hold at both ends.
 program test_verification
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
-   use limber_accuracy_advice, only: advice_type, check_rung, note_surprise
+   use limber_accuracy_advice, only: advice_type, check_rung, strained_rung, note_surprise
    use limber_accuracy_run_pool, only: pool_type
    use limber_accuracy_pilot_scenes, only: build_exact
-   use limber_accuracy_reached_target, only: reached_type
-   use limber_accuracy_fidelity_levels, only: level_type, find_rungs, richer
+   use limber_accuracy_fidelity_levels, only: level_type, find_rungs
    use limber_scene_scene, only: scene_type
-   use limber_accuracy_candidate, only: candidate_type
-   use limber_accuracy_reference_run, only: reference_run_type
-   use limber_accuracy_verification, only: bound_strain, falls_short
+   use limber_accuracy_candidate, only: candidate_type, run_request_type
+   use limber_accuracy_search_steps, only: target_search_type, strain_step, weigh
    use limber_deck_content, only: deck_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_reader, only: read_deck_text
@@ -31,7 +29,6 @@ contains
    !> times more. With 600 times the strain is verified too, for that was expected to be of the same size.
    subroutine test_surprise()
       type(advice_type) :: advice
-      type(reference_run_type) :: truth
       type(level_type) :: rung
       advice%target = 1.0e-2_wp
       advice%share = 0.65e-2_wp
@@ -42,41 +39,29 @@ contains
       advice%probe%beams(1)%effect = 1.0e-5_wp
       advice%probe%beams(1)%stretch = 1.0e-6_wp
       advice%expected = [1.0e-6_wp]
-      rung = check_rung(advice, 1, doubted=.true.)
+      rung = check_rung(advice, 1)
       call check(rung%step > 3 .and. .not. rung%stretches, 'what bends is verified')
+      rung = strained_rung(advice, 1)
+      call check(.not. rung%stretches, 'strain of no effect is not')
       advice%rungs%step = 0
-      rung = check_rung(advice, 1, doubted=.true.)
-      call check(rung%step == 0 .and. .not. rung%stretches, 'a rigid beam of no effect is not verified')
+      rung = check_rung(advice, 1)
+      call check(rung%step == 0, 'a rigid beam of no effect is not verified')
       call note_surprise(advice, 20.0e-6_wp)
-      rung = check_rung(advice, 1, doubted=.true.)
+      rung = check_rung(advice, 1)
       call check(rung%step > 0, '20 times as much: it is')
       advice%rungs%step = 3
       ! Twice the stretch, 2e-6, is to be a tenth of the share over 0.65 of it, 1e-3: 500 times
       call note_surprise(advice, 400.0e-6_wp)
       call check_close(advice%surprise, 400.0_wp, 1.0e-12_wp, 'errors over what was expected')
-      rung = check_rung(advice, 1, doubted=.true.)
-      call check(rung%step > 3 .and. .not. rung%stretches, '400 times as much: functions are verified')
+      rung = strained_rung(advice, 1)
+      call check(.not. rung%stretches, '400 times as much: functions are verified')
       call note_surprise(advice, 600.0e-6_wp)
-      rung = check_rung(advice, 1, doubted=.true.)
-      call check(rung%step > 3 .and. rung%stretches, '600 times as much: strain is verified')
-      rung = check_rung(advice, 1, doubted=.false.)
-      call check(rung%step > 3 .and. .not. rung%stretches, 'and not before the functions keep the target')
+      rung = strained_rung(advice, 1)
+      call check(rung%step == 3 .and. rung%stretches, '600 times as much: strain is verified')
       call note_surprise(advice, 1.0e-6_wp)
       call check_close(advice%surprise, 600.0_wp, 1.0e-12_wp, 'a surprise is not forgotten')
       call note_surprise(advice, huge(1.0_wp))
       call check_close(advice%surprise, 600.0_wp, 1.0e-12_wp, 'a run that failed tells nothing')
-      call check(.not. falls_short(truth, advice, .true.), 'no truth, nothing that it lacks')
-      truth%known = .true.
-      truth%rungs = advice%rungs
-      call check(falls_short(truth, advice, .true.), 'a truth with the same functions')
-      truth%rungs%step = 5
-      call check(falls_short(truth, advice, .true.), 'a truth without strain')
-      call check(.not. falls_short(truth, advice, .false.), 'which is no matter while functions are verified')
-      truth%strained = .true.
-      call check(.not. falls_short(truth, advice, .true.), 'a truth without strain whose error contains it')
-      truth%strained = .false.
-      truth%rungs%stretches = .true.
-      call check(.not. falls_short(truth, advice, .true.), 'a truth with more functions, and strain')
    end subroutine test_surprise
 
    !> A mass on a spring moves as 1 + cos(t). Its runs are kept: none is made twice, and the tolerance nearest to one that is asked
@@ -85,23 +70,33 @@ contains
       type(deck_type) :: deck
       type(pool_type) :: pool
       type(candidate_type) :: trial
-      type(level_type) :: none(0)
+      type(run_request_type) :: request
       type(error_type), allocatable :: error
       call read(deck, '*POINT MASS, NAME=bob, MASS=1, X=2'//nl//'*JOINT, NAME=rail, TYPE=POINT ON LINE'//nl// &
          & ' bob, ground.origin'//nl// &
          & '*SPRING, NAME=s, STIFFNESS=1, LENGTH=1'//nl//' bob, ground.origin'//nl// &
          & '*DYNAMICS, END=10, OUTPUTS=20, INTEGRATOR=RADAU'// &
          & nl//'*OUTPUT'//nl//' x(bob)'//nl)
-      call pool%run(deck, none, 1.0e-4_wp, 1.0_wp, huge(1.0_wp), .true., .true., 'run', trial, error)
+      pool%deck = deck
+      allocate (request%rungs(0))
+      request%label = 'run'
+      request%wide = .true.
+      request%tolerance = 1.0e-4_wp
+      call pool%run(request, trial, error)
       call check_no_error(error, 'a loose run')
-      call pool%run(deck, none, 1.0e-8_wp, 1.0_wp, huge(1.0_wp), .false., .true., 'run', trial, error)
+      request%wide = .false.
+      request%tolerance = 1.0e-8_wp
+      call pool%run(request, trial, error)
       call check_no_error(error, 'a fine run')
       call check(error_of(trial) < 1.0e-6_wp, 'it moves as 1 + cos(t)')
-      call pool%run(deck, none, 1.0e-4_wp, 1.0_wp, huge(1.0_wp), .false., .true., 'run', trial, error)
+      request%tolerance = 1.0e-4_wp
+      call pool%run(request, trial, error)
       call check(pool%runs == 2 .and. error_of(trial) > 1.0e-9_wp, 'a run that is there is not made again')
-      call check_close(pool%kept_tolerance(deck, none, 1.0e-7_wp, 1.0e-9_wp, 1.0e-3_wp), 1.0e-8_wp, 1.0e-20_wp, 'the nearer one')
-      call check_close(pool%kept_tolerance(deck, none, 1.0e-7_wp, 1.0e-7_wp, 1.0e-3_wp), 1.0e-4_wp, 1.0e-16_wp, 'within the bounds')
-      call check_close(pool%kept_tolerance(deck, none, 1.0e-6_wp, 1.0e-7_wp, 1.0e-5_wp), 1.0e-6_wp, 1.0e-18_wp, 'none is there')
+      request%tolerance = 1.0e-7_wp
+      call check_close(pool%kept_tolerance(request, [1.0e-9_wp, 1.0e-3_wp]), 1.0e-8_wp, 1.0e-20_wp, 'the nearer one')
+      call check_close(pool%kept_tolerance(request, [1.0e-7_wp, 1.0e-3_wp]), 1.0e-4_wp, 1.0e-16_wp, 'within the bounds')
+      request%tolerance = 1.0e-6_wp
+      call check_close(pool%kept_tolerance(request, [1.0e-7_wp, 1.0e-5_wp]), 1.0e-6_wp, 1.0e-18_wp, 'none is there')
    end subroutine test_kept_runs
 
    !> Largest difference from 1 + cos(t).
@@ -115,16 +110,12 @@ contains
    end function error_of
 
    !> A bar that turns at a constant speed stretches by rho omega^2 L^3/(3 E) = 0.005 of its length at rest, and at most twice
-   !> that from a sudden start. Of a target of 0.025 there is room for that: it counts as an error of the truth, by one run of the
-   !> bar's own functions. Of 0.0025 there is none, and nothing is changed. How far the run and the finest one are from each other
-   !> has no part in it: the two that are compared differ in the strain alone.
+   !> that from a sudden start. A run of the bar's own functions shows it, and it counts as an error of the reference.
    subroutine test_strain()
       real(wp), parameter :: stretch = 5.0e-3_wp
       type(deck_type) :: deck
-      type(reference_run_type) :: truth
-      type(pool_type) :: pool
-      type(candidate_type) :: candidate
-      type(reached_type) :: reached
+      type(target_search_type) :: s
+      type(run_request_type) :: request
       type(error_type), allocatable :: error
       call read(deck, '*PARAMETER'//nl//' density = 1000, speed = 15, young = density*speed**2/0.015'//nl// &
          & '*MATERIAL, NAME=m, YOUNG=young, DENSITY=density'//nl//'*SECTION, NAME=s, SHAPE=CIRCLE, DIAMETER=0.1'//nl// &
@@ -133,32 +124,39 @@ contains
          & nl//'*DRIVER, NAME=motor, TYPE=ANGLE, BODY=bar'//nl//' speed*t'//nl// &
          & '*DYNAMICS, END=0.4, OUTPUTS=100, INTEGRATOR=RADAU'//nl// &
          & '*OUTPUT'//nl//' reach = 1 + u1(bar.end)'//nl)
-      associate (advice => reached%advice)
+      s%pool%deck = deck
+      s%target = 1.0_wp
+      associate (advice => s%reached%advice)
          call find_rungs(deck, advice%rungs)
          allocate (advice%probe%beams(1))
          advice%probe%blind = .true.
          advice%tolerance = 1.0e-4_wp
+         advice%target = s%target
+         advice%share = s%target
          advice%expected = [0.0_wp]
-         reached%estimate%companion = advice%tolerance
-         call pool%run(deck, advice%rungs, advice%tolerance, 1.0_wp, huge(1.0_wp), .true., .true., 'run', candidate, error)
+         request%rungs = advice%rungs
+         request%tolerance = advice%tolerance
+         request%label = 'run'
+         request%wide = .true.
+         call s%pool%run(request, s%candidate, error)
          call check_no_error(error, 'a bar without strain')
-         allocate (truth%scale, source=candidate%scale)
-         allocate (truth%of_terms, source=candidate%of_terms)
-         candidate%samples%values = candidate%samples%values + stretch
-         call truth%take(richer(advice%rungs, 2, .false.), advice%tolerance, candidate%samples%values(:1, :) - 2*stretch, &
-            & candidate%work, [0.0_wp])
-         advice%target = 0.5_wp*stretch
-         advice%share = advice%target
-         call bound_strain(deck, advice%target, .true., pool, candidate, reached, truth, error)
+         s%reference%scale = s%candidate%scale
+         s%reference%of_terms = s%candidate%of_terms
+         s%reference%finest = s%candidate%samples%values(:1, :) - stretch
+         s%reference%of_time = [0.0_wp]
+         s%reference%tolerance = advice%tolerance
+         s%reference%rungs = advice%rungs
+         s%evidence%time_known = .true.
+         s%evidence%model_known = .true.
+         call weigh(s)
+         call check(s%evidence%asks_strain .and. s%evidence%can_strain, 'the strain is to be measured')
+         call strain_step(s, error)
          call check_no_error(error, 'its strain')
-         call check(.not. truth%strained .and. all(abs(truth%rest) <= 0.0_wp), &
-            & 'no room for the stretch: a finer truth is to be run')
-         advice%target = 5*stretch
-         call bound_strain(deck, advice%target, .true., pool, candidate, reached, truth, error)
-         call check(truth%strained .and. pool%runs == 2, 'room for it, and the run is there already')
-         call check(abs(truth%rest(1) - 2*stretch) < 0.1_wp*stretch, 'the stretch is an error of the truth')
-         call check(abs(reached%error - 4*stretch) < 0.1_wp*stretch, 'beside the difference from that')
-         call check(.not. falls_short(truth, advice, .true.), 'nothing is left to be verified')
+         call check(s%pool%runs == 2 .and. s%evidence%strain_known, 'by one run')
+         call check(abs(s%reference%of_strain(1) - 2*stretch) < 0.1_wp*stretch, 'the stretch is an error of the reference')
+         s%target = 0.0_wp
+         call weigh(s)
+         call check(abs(s%reached%error - 3*stretch) < 0.1_wp*stretch, 'beside the difference from that')
       end associate
    end subroutine test_strain
 

@@ -31,7 +31,8 @@ contains
       !> The deck is wrong (status 2), or a signal asks for the end (status 4)
       type(error_type), allocatable, intent(out) :: error
       type(run_request_type) :: next
-      !> Whether it has failed to leave out the strain of a beam, to take a lower level (beams), another integrator, a larger tolerance
+      !> Whether it has failed to leave out the strain of a beam, to take a lower level (beams), another integrator, a larger
+      !> tolerance
       logical :: unstrained(size(reached%advice%rungs)), lower(size(reached%advice%rungs)), implicit
       !> Tolerance that may be tried at most
       real(wp) :: ceiling

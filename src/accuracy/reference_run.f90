@@ -27,7 +27,8 @@ module limber_accuracy_reference_run
       !> Its parts: the run of the smallest tolerance, what higher levels change (channels, samples); errors that both leave, and
       !> what the strain changes (channels)
       real(wp), allocatable :: finest(:, :), change(:, :), of_time(:), of_model(:), of_strain(:)
-      !> The deck with all free that it fixes of the fidelity, and the beams that are open in it alone; allocated if the reference is
+      !> The deck with all free that it fixes of the fidelity, and the beams that are open in it alone; allocated if the reference
+      !> is
       !> a run of it
       type(deck_type), allocatable :: freed
       type(level_type), allocatable :: aside(:)
@@ -81,7 +82,8 @@ contains
       allocate (self%rungs, source=rungs)
    end subroutine take_pair
 
-   !> How errors of the integration fall, from two pairs of the same models: slowly where a sudden load makes vibrations that no step
+   !> How errors of the integration fall, from two pairs of the same models: slowly where a sudden load makes vibrations that no
+   !> step
    !> follows. What is next to nothing beside the target shows round-off only.
    pure subroutine learn(self, rungs, tolerance, of_time, target)
       class(shown_type), intent(inout) :: self

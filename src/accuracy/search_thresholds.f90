@@ -63,14 +63,16 @@ module limber_accuracy_search_thresholds
    real(wp), parameter :: saved = 0.1_wp, worth = 0.05_wp, saves_much = 0.5_wp
    !> Work that every run may take: a second or two
    real(wp), parameter :: least_patience = 5.0e5_wp
-   !> Expected work over that of the candidate up to which functions and strain are measured together. Measured: four_bar, slider_crank
+   !> Expected work over that of the candidate up to which functions and strain are measured together. Measured: four_bar,
+   !> slider_crank
    real(wp), parameter :: together = 6.0_wp
    !> Least error that functions and strain leave that are measured together, over what they change. Measured: slider_crank at 1e-3
    real(wp), parameter :: joint_rest = 0.3_wp
    !> Work of a run over that of the candidate after which it is given up: companion runs, higher levels, levels with strain or in
    !> place of a rigid beam, the next candidate
    real(wp), parameter :: patience_time = 60.0_wp, patience_model = 32.0_wp, patience_strain = 80.0_wp, patience_next = 100.0_wp
-   !> Work that all runs together may take, some ten seconds, and beyond it over the first run, or over the last candidate if that takes
+   !> Work that all runs together may take, some ten seconds, and beyond it over the first run, or over the last candidate if that
+   !> takes
    !> about a second at most
    real(wp), parameter :: least_budget = 3.0e6_wp, most_first = 60.0_wp, second = 3.0e5_wp
    !> Most rounds of a search

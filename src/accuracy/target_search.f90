@@ -1,4 +1,5 @@
-!> Search of the setting for a target. One loop: what is known of the candidate decides the next run, until it keeps the target; then
+!> Search of the setting for a target. One loop: what is known of the candidate decides the next run, until it keeps the target;
+!> then
 !> coarser settings are tried. Floor: accuracy. Equations: doc/theory, part 7.
 module limber_accuracy_target_search
    use limber_base_kinds, only: wp

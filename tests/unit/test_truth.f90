@@ -47,7 +47,8 @@ contains
       call check_close(error_against(truth, first), 2.05_wp, 1.0e-15_wp, 'and its error')
    end subroutine test_refinement
 
-   !> Its parts are measured one by one: a run of a smaller tolerance, what higher levels change, what the strain changes. Their errors
+   !> Its parts are measured one by one: a run of a smaller tolerance, what higher levels change, what the strain changes. Their
+   !> errors
    !> add up, to 0.01 at least.
    subroutine test_parts()
       type(reference_run_type) :: truth

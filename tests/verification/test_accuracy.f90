@@ -109,7 +109,8 @@ contains
    end subroutine compare_refined
 
    !> What a search costs: at most 15 times the counted work of the run that it leaves. Of these scenes it was 16 to 30 times: by
-   !> runs that verified all at once, higher, with strain and at a smaller tolerance, and by candidates that no run had shown before.
+   !> runs that verified all at once, higher, with strain and at a smaller tolerance, and by candidates that no run had shown
+   !> before.
    subroutine test_effort()
       call check_effort('moving_mass', 1.0e-3_wp, 15.0_wp)
       call check_effort('two_wagons', 1.0e-3_wp, 15.0_wp)
@@ -323,7 +324,8 @@ contains
    end subroutine test_adams
 
    !> Scenes that the search was not made with. Each kept its target by its word, and not in truth: welded beams that no rigid scene
-   !> moves, shapes that few functions all lack, a light beam between heavy masses, blows. Truth: more functions, smaller tolerances.
+   !> moves, shapes that few functions all lack, a light beam between heavy masses, blows. Truth: more functions, smaller
+   !> tolerances.
    subroutine test_unforeseen()
       call run_unforeseen('portal', '1e-2', '7, STRAIN FUNCTIONS=3', '1e-5', [character(8) :: 'sway', 'middle'])
       call run_unforeseen('coupler_mass', '1e-2', '5, STRAIN FUNCTIONS=0', '1e-3', [character(8) :: 'bend', 'x_tool'])

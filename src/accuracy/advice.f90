@@ -38,17 +38,21 @@ module limber_accuracy_advice
    !> Part of the target below which the expected error of a beam does not matter, and part below which all that its deflection does
    !> to the channels does not
    real(wp), parameter :: no_matter = 0.02_wp, no_effect = 0.2_wp
+   !> Highest rung that a search begins with: an expectation may be far too large
+   integer, parameter :: first_highest = 6
 
 contains
 
    !> Probes a deck and chooses.
-   subroutine make_advice(deck, target, advice, error)
+   subroutine make_advice(deck, target, advice, error, unverified)
       type(deck_type), intent(in) :: deck
       !> Relative error that is aimed at
       real(wp), intent(in) :: target
       type(advice_type), intent(out) :: advice
       type(error_type), allocatable, intent(out) :: error
-      integer :: i
+      !> Whether no run follows that verifies the choice: then it goes as high as its expectation asks
+      logical, intent(in), optional :: unverified
+      integer :: i, highest
       advice%target = target
       call find_rungs(deck, advice%rungs)
       call make_probe(deck, advice%rungs, advice%probe, error)
@@ -57,7 +61,9 @@ contains
       associate (beams => advice%probe%beams)
          advice%share = part_model*target/max(1, count(beams%effect + beams%stretch > no_effect*target))
          do i = 1, size(beams)
-            call choose(target, advice%share, beams(i), advice%rungs(i))
+            highest = first_highest
+            if (present(unverified)) highest = merge(advice%rungs(i)%highest, first_highest, unverified)
+            call choose(target, advice%share, highest, beams(i), advice%rungs(i))
             advice%expected(i) = expected_error(advice%rungs(i), beams(i))
          end do
       end associate
@@ -71,13 +77,13 @@ contains
 
    !> The cheapest rung of a beam whose expected error is within its share, or that of least error; what the stretch makes is known
    !> well enough to have nearly all of the target.
-   pure subroutine choose(target, share, beam, rung)
+   pure subroutine choose(target, share, highest, beam, rung)
       real(wp), intent(in) :: target, share
+      !> Highest rung that may be chosen
+      integer, intent(in) :: highest
       type(forecast_type), intent(in) :: beam
       type(level_type), intent(inout) :: rung
       real(wp), parameter :: of_stretch = 0.9_wp
-      !> Highest rung to begin with: an expectation may be far too large
-      integer, parameter :: most = 6
       type(level_type) :: other, best
       real(wp) :: least, error, stretch
       integer :: step, k
@@ -85,7 +91,7 @@ contains
       best = rung
       found = .false.
       least = huge(least)
-      do step = merge(rung%lowest, rung%step, rung%open_functions), merge(most, rung%step, rung%open_functions)
+      do step = merge(rung%lowest, rung%step, rung%open_functions), merge(highest, rung%step, rung%open_functions)
          do k = 0, merge(1, 0, rung%open_strains .and. step > 0)
             other = rung
             other%step = step

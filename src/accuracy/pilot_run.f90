@@ -514,13 +514,26 @@ contains
                beam%part(m) = max(beam%part(m), slope(c, beam%first + m - 1)/whole)
             end do
             beam%effect = max(beam%effect, sum(slope(c, beam%first:beam%first + beam%bending - 1))/whole)
-            if (beam%axial > 0) beam%stretch = max(beam%stretch, sum(slope(c, beam%first + beam%bending: &
+            if (beam%axial > 0 .and. is_of_motion(c)) beam%stretch = max(beam%stretch, sum(slope(c, beam%first + beam%bending: &
                & beam%first + beam%bending + beam%axial - 1))/whole)
          end do
          beam%part = min(1.0_wp, beam%softening*beam%part)
          beam%effect = min(1.0_wp, beam%softening*beam%effect)
          if (beam%asked) beam%effect = 1.0_wp
       end subroutine weigh
+
+      !> Whether a channel has places and speeds alone. Forces and accelerations of a disturbed state are those of the disturbance:
+      !> in them a stretch would count as the whole axial force, which is there without it too.
+      pure logical function is_of_motion(c)
+         integer, intent(in) :: c
+         integer :: j
+         is_of_motion = .true.
+         associate (asked => scene%system%model%channels(c)%quantities)
+            do j = 1, size(asked)
+               is_of_motion = is_of_motion .and. asked(j)%dimension(3) == 0 .and. asked(j)%dimension(2) > -2
+            end do
+         end associate
+      end function is_of_motion
 
    end subroutine look_at_channels
 

@@ -66,7 +66,7 @@ contains
       aim = target_of(deck)
       if (request%target > 0.0_wp) aim = request%target
       if (.not. aim > 0.0_wp) aim = usual_target
-      call make_advice(deck, aim, advice, error)
+      call make_advice(deck, aim, advice, error, unverified=.true.)
       if (allocated(error)) return
       scene%deck = deck
       call apply_advice(advice, scene%deck)

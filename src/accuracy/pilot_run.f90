@@ -503,8 +503,11 @@ contains
       !> Parts of the channels, relative to their largest values.
       subroutine weigh(beam)
          type(forecast_type), intent(inout) :: beam
-         real(wp) :: whole, sum_of
+         !> Part of a channel below which bending makes nothing of it
+         real(wp), parameter :: no_bending = 0.01_wp
+         real(wp) :: whole, sum_of, along, of_forces
          integer :: c, m
+         of_forces = 0.0_wp
          do c = 1, channels
             whole = largest(c)
             sum_of = sum(slope(c, :))
@@ -514,9 +517,13 @@ contains
                beam%part(m) = max(beam%part(m), slope(c, beam%first + m - 1)/whole)
             end do
             beam%effect = max(beam%effect, sum(slope(c, beam%first:beam%first + beam%bending - 1))/whole)
-            if (beam%axial > 0 .and. is_of_motion(c)) beam%stretch = max(beam%stretch, sum(slope(c, beam%first + beam%bending: &
-               & beam%first + beam%bending + beam%axial - 1))/whole)
+            if (beam%axial == 0) cycle
+            along = sum(slope(c, beam%first + beam%bending:beam%first + beam%bending + beam%axial - 1))/whole
+            if (is_of_motion(c)) beam%stretch = max(beam%stretch, along)
+            of_forces = max(of_forces, along)
          end do
+         ! A bar that only stretches
+         if (beam%effect <= no_bending) beam%stretch = max(beam%stretch, of_forces)
          beam%part = min(1.0_wp, beam%softening*beam%part)
          beam%effect = min(1.0_wp, beam%softening*beam%effect)
          if (beam%asked) beam%effect = 1.0_wp

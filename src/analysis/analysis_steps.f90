@@ -87,7 +87,7 @@ contains
       do i = first, steps
          associate (step => scene%system%model%steps(i))
             if (present(guard) .and. i > first) call look_at_guard(i)
-            if (i > 1) call shift_step(scene%system%model%steps(i), passed%end(i - 1))
+            if (i > 1) call shift_step(scene%system%model%steps(i - 1:i), passed%end(i - 1))
             if (.not. allocated(error)) call enter_step(scene, i, error)
             if (allocated(error)) exit
             if (.not. quiet) call progress%start(step%dynamics%start, step%dynamics%end, path)
@@ -176,14 +176,19 @@ contains
 
    end subroutine run_steps
 
-   !> Lets an analysis begin when the one before has ended, also where an event has ended that early. A period keeps its length.
-   pure subroutine shift_step(step, time)
-      type(analysis_step_type), intent(inout) :: step
-      !> End of the one before
+   !> Lets an analysis begin where an event has ended the one before. A period keeps its length.
+   pure subroutine shift_step(steps, time)
+      !> The one before, and this one
+      type(analysis_step_type), intent(inout) :: steps(2)
+      !> Time that the one before has reached
       real(wp), intent(in) :: time
-      if (.not. step%follows) return
-      if (step%kind == step_statics .or. step%kind == step_modes) step%dynamics%end = time + step%dynamics%end - step%dynamics%start
-      step%dynamics%start = time
+      !> Last digits of its end, right before which a run ends where a law changes there
+      integer, parameter :: digits = 64
+      associate (before => steps(1)%dynamics, own => steps(2)%dynamics)
+         if (.not. steps(2)%follows .or. time >= before%end - digits*spacing(abs(before%end))) return
+         if (steps(2)%kind == step_statics .or. steps(2)%kind == step_modes) own%end = time + own%end - own%start
+         own%start = time
+      end associate
    end subroutine shift_step
 
    !> Saves or restores which analyses have run.

@@ -165,10 +165,11 @@ contains
       jet = stack(1)
    end subroutine walk
 
-   !> Whether an expression depends on nothing.
+   !> Whether an expression depends on nothing; so does none, as that of a parameter whose number is all that is left of it.
    pure logical function is_constant(self)
       class(expression_type), intent(in) :: self
-      is_constant = size(self%slots) == 0
+      is_constant = .true.
+      if (allocated(self%slots)) is_constant = size(self%slots) == 0
    end function is_constant
 
    !> The value of an expression that depends on nothing.

@@ -138,8 +138,10 @@ contains
          if (allocated(error)) return
          reached%estimate%companion = request%tolerance
          reached%estimate%of_model = .true.
+         reached%estimate%reason = ''
          if (finer%reason /= '') then
             reached%reason = 'the check at TOLERANCE='//as_text(request%tolerance, 2)//' failed: '//finer%reason
+            reached%estimate%reason = reached%reason
             return
          end if
          if (request%wide) reference%scale = finer%scale

@@ -76,6 +76,7 @@ contains
       integer :: round, trial
       associate (reached => s%reached)
          reached%reason = ''
+         reached%estimate%reason = ''
          reached%path = ''
          reached%place = ''
          reached%place_of_time = ''

@@ -80,8 +80,8 @@ contains
    end subroutine check_means
 
    !> A stiff bar of ten elements swings by 0.3 under its weight. With the mass in the nodes its moment of inertia is 1/200 too
-   !> large: the swing is late, and forces go to and fro twice as often as places. Beside the rigid bar the force of the hinge errs beyond
-   !> 3 % while the place does not, and only the force is told.
+   !> large: the swing is late, and forces go to and fro twice as often as places. Beside the rigid bar the force of the hinge errs
+   !> beyond 3 % while the place does not, and only the force is told.
    subroutine check_swing()
       real(wp), allocatable :: rigid(:), lumped(:)
       character(*), parameter :: late = 'with the mass in the nodes its vibrations are late'

@@ -30,16 +30,16 @@ module limber_beam_force_recovery
       real(wp), allocatable :: at(:), part(:)
    end type load_place_type
 
-   !> Of a frame whose members bend under tension: its mesh, to find what the geometric forces of the members do to the functions
-   !> that were left out, eq. (2.24)
-   type :: frame_tension_type
+   !> Of a body that bends under tension: its mesh, to find what the geometric forces of the elements do to the functions that were
+   !> left out, eq. (2.24)
+   type :: mesh_tension_type
       type(frame_type) :: frame
       type(solver_type) :: solver
       !> Shapes of the coordinates (3, nodes, n), and their squared frequencies
       real(wp), allocatable :: shape(:, :, :), omega2(:)
       !> Axial force of each element for unit coordinates (elements, n) and for unit amplitudes (elements, columns)
       real(wp), allocatable :: modal(:, :), load(:, :)
-   end type frame_tension_type
+   end type mesh_tension_type
 
    !> The coefficients of all sections of a body
    type :: recovery_type
@@ -50,8 +50,8 @@ module limber_beam_force_recovery
       real(wp), allocatable :: modal(:, :, :), load(:, :, :)
       !> Whether the axial force is that along the deflected axis, eq. (2.30): where tension acts on the bending
       logical :: deflected = .false.
-      !> Of a frame of several members under tension; otherwise unallocated
-      type(frame_tension_type), allocatable :: tension
+      !> Of a body on whose bending tension acts; otherwise unallocated
+      type(mesh_tension_type), allocatable :: tension
       !> Sections: where they are
       type(section_type), allocatable :: sections(:)
       !> Of an exact beam, whose forces follow from equilibrium; `load` has no meaning there but its size: where each place of loads
@@ -138,7 +138,7 @@ contains
             recovery%modal(:, i, j) = section_state(frame, shape(:, :, i), sections(j))
          end do
       end do
-      if (body%geometric .and. size(frame%first) > 2) then
+      if (body%geometric) then
          allocate (recovery%tension)
          call start_tension(recovery%tension, frame, solver, shape, body%omega2, columns)
       end if
@@ -197,7 +197,7 @@ contains
 
    !> The axial forces for unit coordinates; those for unit amplitudes come.
    subroutine start_tension(tension, frame, solver, shape, omega2, columns)
-      type(frame_tension_type), intent(out) :: tension
+      type(mesh_tension_type), intent(out) :: tension
       type(frame_type), intent(in) :: frame
       type(solver_type), intent(in) :: solver
       !> Shapes of the coordinates (3, nodes, n), their squared frequencies
@@ -215,18 +215,21 @@ contains
       end do
    end subroutine start_tension
 
-   !> What the geometric forces of the members make at all sections through the functions that were left out, as `section_state`
+   !> What the geometric forces of the elements make at all sections through the functions that were left out, as `section_state`
    !> (4, sections), eq. (2.24); only of a recovery with `tension`.
-   subroutine geometric_state(recovery, eta, amplitude, state)
+   subroutine geometric_state(recovery, eta, amplitude, lacking, state)
       type(recovery_type), intent(in) :: recovery
       !> Coordinates (n), amplitudes (columns)
       real(wp), intent(in) :: eta(:), amplitude(:)
+      !> As in `internal_forces`
+      real(wp), allocatable, intent(in) :: lacking(:)
       real(wp), intent(out) :: state(:, :)
       real(wp) :: force(size(recovery%tension%frame%member)), own(6)
       real(wp), dimension(3, size(recovery%tension%frame%place, 2)) :: load, u, left_out
       integer :: e, j
       associate (self => recovery%tension, frame => recovery%tension%frame)
          force = matmul(self%modal, eta) + matmul(self%load, amplitude)
+         if (allocated(lacking)) force = force + matmul(self%modal, lacking)
          u = 0.0_wp
          do j = 1, size(eta)
             u = u + self%shape(:, :, j)*eta(j)
@@ -458,14 +461,16 @@ contains
    !> Axial force, shear force and bending moment at a section. The first is the part of the whole force along the deflected axis,
    !> eq. (2.30), where tension acts on the bending: the shear force, minus the slope of the moment, is across that axis already.
    !> Of coordinates that are held, forces are those of equilibrium, and the axis is deflected as it is held.
-   pure function internal_forces(recovery, section, eta, amplitude, geometric, lacking) result(force)
+   pure function internal_forces(recovery, section, eta, amplitude, geometric, lacking, held) result(force)
       type(recovery_type), intent(in) :: recovery
       integer, intent(in) :: section
       real(wp), intent(in) :: eta(:), amplitude(:)
       !> See `geometric_state` (4, sections); unallocated without `tension`
       real(wp), allocatable, intent(in) :: geometric(:, :)
-      !> By how much the coordinates that are held differ from those in equilibrium (n); unallocated if nothing is held
+      !> Coordinates that its forces have besides: those in equilibrium less these where they are held, those of damping (n);
+      !> unallocated if there are none. Whether they are held
       real(wp), allocatable, intent(in) :: lacking(:)
+      logical, intent(in) :: held
       real(wp) :: force(3), state(4)
       integer :: k
       state = 0.0_wp
@@ -476,10 +481,8 @@ contains
          state = state + recovery%load(:, k, section)*amplitude(k)
       end do
       if (allocated(geometric)) state = state + geometric(:, section)
-      if (allocated(lacking)) then
-         state(:3) = state(:3) + matmul(recovery%modal(:3, :, section), lacking)
-         state(4) = dot_product(recovery%modal(4, :, section), eta)
-      end if
+      if (allocated(lacking)) state(:3) = state(:3) + matmul(recovery%modal(:3, :, section), lacking)
+      if (held) state(4) = dot_product(recovery%modal(4, :, section), eta)
       force = state(:3)
       if (recovery%deflected) force(1) = force(1) + state(2)*state(4)
    end function internal_forces

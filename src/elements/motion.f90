@@ -79,6 +79,11 @@ contains
                return
             end if
             origin = find_named(model, 'point', block%name('BODY')//'.origin')
+            if (origin == 0) then
+               call diagnostics%add(block%origin_of('BODY'), "frame '"//model%bodies(body)%name//"' has no node at the origin"// &
+                  & ' of its axes, where *MOTION moves it', 'move the axes so that a node is at 0, 0')
+               return
+            end if
             call add('_x', driver_x, line%fields(1)%expression)
             call add('_y', driver_y, line%fields(2)%expression)
             if (turns) call add('_angle', driver_angle, line%fields(3)%expression)

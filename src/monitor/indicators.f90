@@ -331,12 +331,12 @@ contains
       real(wp) :: errors(3), share
       if (allocated(self%slope_work)) then
          ! A frame
-         errors = [8.0e-4_wp, 4.0e-4_wp, 4.0e-4_wp]*self%peak(peak_layer)**4
-         errors = errors/(1 + errors)
+         share = self%peak(peak_layer)
       else
          share = self%layer*sqrt(max(0.0_wp, self%peak(peak_tension)))
-         errors = [min(1.0_wp, 0.3_wp*share), min(1.0_wp, 0.05_wp*share**2), 0.0_wp]
       end if
+      errors = [8.0e-4_wp, 6.0e-4_wp, 6.0e-4_wp]*share**4
+      errors = errors/(1 + errors)
       where (.not. [self%shows_shear, self%shows_moment, self%shows_reaction]) errors = 0.0_wp
    end function layer_errors
 

@@ -40,9 +40,12 @@ module limber_output_internal_forces
       type(section_reach_type) :: sections
       !> What acts on its frame, which is the section at the origin: force and couple in the axes of the frame
       real(wp) :: on_frame(3) = 0.0_wp
-      !> Where the coordinates of a body with modes are held: those in equilibrium less these (n); otherwise unallocated
+      !> Coordinates that a body with modes would have to have besides for its forces: where its deflections are held to carry what
+      !> acts, and for those of its damping (n); otherwise unallocated
       real(wp), allocatable :: lacking(:)
-      !> Of a frame under tension: what its geometric forces make at its sections (4, sections); otherwise unallocated
+      !> Whether its deflections are held
+      logical :: held = .false.
+      !> Where tension acts on the bending: what the geometric forces make at its sections (4, sections); otherwise unallocated
       real(wp), allocatable :: geometric(:, :)
    end type section_forces_type
 
@@ -110,6 +113,7 @@ contains
       do i = 1, size(efforts)
          if (.not. allocated(efforts(i)%amplitude) .or. allocated(efforts(i)%exact)) cycle
          from = system%layout%w(i) + system%layout%rates(i)
+         efforts(i)%held = .true.
          efforts(i)%lacking = -motion(from:from + system%layout%n(i) - 1)/system%model%bodies(i)%reduced%omega2
       end do
    end subroutine hold_efforts
@@ -138,12 +142,16 @@ contains
          end if
          heavy = a(first:first + 1) - system%model%gravity
          heavy = [dot_product(u, heavy), cross(u, heavy)]
+         associate (body => system%model%bodies(i)%reduced)
+            if (allocated(body%damping) .and. .not. efforts(i)%held) efforts(i)%lacking = matmul(body%damping, v(first + 4:last)) &
+               & /body%omega2
+         end associate
          efforts(i)%amplitude = 0.0_wp
          call amplitudes(heavy, cross(u, v(first + 2:first + 3)), cross(u, a(first + 2:first + 3)), q(first + 4:last), &
             & v(first + 4:last), a(first + 4:last), efforts(i)%amplitude)
          call add_reactions(efforts(i), system, work, i, q)
          if (allocated(efforts(i)%geometric)) call geometric_state(system%model%bodies(i)%recovery, q(first + 4:last), &
-            & efforts(i)%amplitude, efforts(i)%geometric)
+            & efforts(i)%amplitude, efforts(i)%lacking, efforts(i)%geometric)
          if (allocated(efforts(i)%extremes)) call stretch_envelope(efforts(i), system, i, q(first + 4:last))
       end do
    end subroutine gather_efforts
@@ -196,7 +204,7 @@ contains
                value(:3) = effort%exact(:, first + k)
             else
                value(:3) = internal_forces(recovery, first + k, eta, effort%amplitude, effort%geometric, &
-                  & effort%lacking)
+                  & effort%lacking, effort%held)
             end if
             value(4:5) = stresses(value(:3), strength_at(system%model%bodies(body), recovery%sections(first + k)))
             effort%extremes(:, 1, k) = min(effort%extremes(:, 1, k), value)
@@ -388,7 +396,7 @@ contains
       end if
       force = internal_forces(system%model%bodies(body)%recovery, system%model%points(point)%section, &
          & q(first + 4:first + 3 + system%layout%n(body)), efforts(body)%amplitude, efforts(body)%geometric, &
-         & efforts(body)%lacking)
+         & efforts(body)%lacking, efforts(body)%held)
    end function section_forces
 
 end module limber_output_internal_forces

@@ -2,13 +2,13 @@
 !> 5.19.
 module limber_analysis_events
    use limber_base_kinds, only: wp
-   use limber_base_error, only: error_type
+   use limber_base_error, only: error_type, raise
    use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: as_text
    use limber_analysis_event_search, only: event_search_type, event_crossing_type, start_search, begin_step, find_first, &
-      & pass_crossing, end_step
+      & pass_crossing, end_step, choose_events
    use limber_integrator_integrator, only: integrator_type
-   use limber_model_model, only: event_sample
+   use limber_model_model, only: event_sample, event_switch, turn_on, toggle
    use limber_multibody_system, only: system_type, workspace_type
    use limber_output_channel_values, only: recorder_type
    use limber_output_sample_sink, only: memory_type
@@ -18,7 +18,10 @@ module limber_analysis_events
    use limber_scene_scene, only: scene_type
    implicit none
    private
-   public :: events_type, start_events, begin_events, pass_events
+   public :: events_type, start_events, begin_events, pass_events, turned_states, count_turn
+
+   !> Turns of switches that are remembered
+   integer, parameter :: remembered = 32
 
    !> Events between the steps of a motion
    type :: events_type
@@ -31,6 +34,9 @@ module limber_analysis_events
       !> Time at which the step that is done again is to end, and the crossing there
       real(wp) :: hold = huge(1.0_wp)
       type(event_crossing_type), private :: held
+      !> The event at which a switch is turned, and the times of the last turns, the latest first
+      integer :: turning = 0
+      real(wp), private :: turns(remembered) = -huge(1.0_wp)
       !> Takes the channels at an event
       type(memory_type), private :: memory
    contains
@@ -77,7 +83,7 @@ contains
       real(wp), intent(in) :: near
       !> Time up to which the last step counts; that of the event that ends the motion
       real(wp), intent(inout) :: t
-      !> How the motion ends, event_stop or event_end_step; 0: it goes on
+      !> How the motion ends, event_stop or event_end_step, or that a switch is turned, event_switch; 0: it goes on
       integer, intent(out) :: action
       !> Whether the step has to be done again, up to `hold`
       logical, intent(out) :: again
@@ -106,10 +112,12 @@ contains
             end if
             self%counts(crossing%event) = self%counts(crossing%event) + 1
             if (event%action /= event_sample .and. self%counts(crossing%event) == event%number) action = event%action
+            if (event%action == event_switch .and. self%counts(crossing%event) > event%number) action = event_switch
             if (action > 0 .and. integrator%ends_on_samples .and. crossing%t < t - near) then
                again = .true.
                action = 0
-               self%hold = crossing%t
+               ! Right behind its start no step can end
+               self%hold = max(crossing%t, self%search%t + near)
                self%held = crossing
                self%search%side = sides
                self%counts = counts
@@ -121,6 +129,8 @@ contains
          if (allocated(error)) return
          if (action > 0) then
             t = crossing%t
+            self%turning = crossing%event
+            if (action == event_switch) self%search%side(crossing%event) = crossing%direction
             return
          end if
          call pass_crossing(self%search, scene%system, scene%work, integrator, crossing)
@@ -128,6 +138,39 @@ contains
       call end_step(self%search)
       call tell(self, scene%system, outcome)
    end subroutine pass_events
+
+   !> States of all switches behind the event that turns one (switches): whether each is on.
+   pure function turned_states(self, system) result(on)
+      type(events_type), intent(in) :: self
+      type(system_type), intent(in) :: system
+      logical :: on(size(system%on))
+      on = system%on
+      associate (event => system%model%events(self%turning))
+         if (event%to == toggle) then
+            on(event%switch) = .not. on(event%switch)
+         else
+            on(event%switch) = event%to == turn_on
+         end if
+      end associate
+   end function turned_states
+
+   !> Counts the turn of a switch, at a state that `begin_events` has taken. An error where turns come ever faster.
+   subroutine count_turn(self, system, t, error)
+      type(events_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      real(wp), intent(in) :: t
+      type(error_type), allocatable, intent(out) :: error
+      !> Part of the analysis within which so many turns are no motion that could be followed
+      real(wp), parameter :: at_once = 1.0e-7_wp
+      call choose_events(self%search, system)
+      self%turns = [t, self%turns(:remembered - 1)]
+      associate (dynamics => system%model%dynamics, event => system%model%events(self%turning))
+         if (t - self%turns(remembered) <= at_once*(dynamics%end - dynamics%start)) call raise(error, "switch '"// &
+            & system%model%switches(event%switch)%name//"' is turned again and again at t = "//as_text(t, 8)//', last by event '// &
+            & "'"//event%name//"': "//as_text(remembered)//' turns within '//as_text(t - self%turns(remembered), 2)//' '// &
+            & system%model%units%time//'; let it be turned on and off at different values')
+      end associate
+   end subroutine count_turn
 
    !> Notes an event with the channels there.
    subroutine note(self, scene, integrator, recorder, sample, crossing, outcome, error)
@@ -184,7 +227,7 @@ contains
       class(events_type), intent(inout) :: self
       type(snapshot_type), intent(inout) :: snapshot
       integer :: i, k
-      ! Not saved: memory
+      ! Not saved: memory, turning
       call self%search%exchange(snapshot)
       call snapshot%exchange('event_counts', self%counts)
       do i = 1, size(self%told, 2)
@@ -192,6 +235,7 @@ contains
             call snapshot%exchange('told', self%told(k, i))
          end do
       end do
+      call snapshot%exchange('turns', self%turns)
       call snapshot%exchange('full', self%full)
       call snapshot%exchange('event_hold', self%hold)
       call snapshot%exchange('held_event', self%held%event)

@@ -145,9 +145,18 @@ contains
       !> Not behind the end of the step
       real(wp), intent(in) :: last
       type(event_crossing_type), intent(out) :: crossing
+      integer :: i
       self%looks = 0
       self%h = last - self%t
-      if (.not. last > self%from%t) return
+      if (.not. last > self%from%t) then
+         ! No time is left: what crosses at the same instant is there
+         do i = 1, size(self%side)
+            if (self%without(i) .or. self%side(i)*self%from%force(i) >= 0.0_wp) cycle
+            crossing = event_crossing_type(.true., i, -self%side(i), self%from%t)
+            return
+         end do
+         return
+      end if
       call look(self, system, work, integrator, last, self%to)
       call search(self, system, work, integrator, self%from, self%to, 1, crossing)
    end subroutine find_first

@@ -34,8 +34,8 @@ module limber_analysis_events
       !> Time at which the step that is done again is to end, and the crossing there
       real(wp) :: hold = huge(1.0_wp)
       type(event_crossing_type), private :: held
-      !> The event at which a switch is turned, and the times of the last turns, the latest first
-      integer :: turning = 0
+      !> Which events turn their switch at the end of the last step (events), and the times of the last turns, the latest first
+      logical, allocatable :: turning(:)
       real(wp), private :: turns(remembered) = -huge(1.0_wp)
       !> Takes the channels at an event
       type(memory_type), private :: memory
@@ -56,6 +56,7 @@ contains
       real(wp), intent(in) :: tolerance
       call start_search(self%search, system, work, t, q, v, tolerance)
       allocate (self%counts(size(system%events)), source=0)
+      allocate (self%turning(size(system%events)), source=.false.)
       allocate (self%told(2, size(system%events)), source=.false.)
    end subroutine start_events
 
@@ -90,15 +91,18 @@ contains
       type(outcome_type), intent(inout) :: outcome
       type(error_type), allocatable, intent(out) :: error
       type(event_crossing_type) :: crossing
-      integer :: sides(size(self%counts)), counts(size(self%counts)), rows
+      real(wp) :: last
+      integer :: sides(size(self%counts)), counts(size(self%counts)), rows, does
       action = 0
       again = .false.
+      self%turning = .false.
+      last = t
       sides = self%search%side
       counts = self%counts
       rows = outcome%events%count
       do
-         call find_first(self%search, scene%system, scene%work, integrator, t, crossing)
-         if (.not. crossing%found .and. t >= self%hold - near) then
+         call find_first(self%search, scene%system, scene%work, integrator, last, crossing)
+         if (.not. crossing%found .and. action == 0 .and. t >= self%hold - near) then
             ! By round-off, or the error of its output, a step may end right before the crossing at which it is held
             crossing = self%held
             crossing%t = t
@@ -111,11 +115,11 @@ contains
                cycle
             end if
             self%counts(crossing%event) = self%counts(crossing%event) + 1
-            if (event%action /= event_sample .and. self%counts(crossing%event) == event%number) action = event%action
-            if (event%action == event_switch .and. self%counts(crossing%event) > event%number) action = event_switch
-            if (action > 0 .and. integrator%ends_on_samples .and. crossing%t < t - near) then
+            does = 0
+            if (event%action /= event_sample .and. self%counts(crossing%event) == event%number) does = event%action
+            if (event%action == event_switch .and. self%counts(crossing%event) > event%number) does = event_switch
+            if (does > 0 .and. integrator%ends_on_samples .and. crossing%t < t - near) then
                again = .true.
-               action = 0
                ! Right behind its start no step can end
                self%hold = max(crossing%t, self%search%t + near)
                self%held = crossing
@@ -127,34 +131,41 @@ contains
          end associate
          call note(self, scene, integrator, recorder, sample, crossing, outcome, error)
          if (allocated(error)) return
-         if (action > 0) then
+         if (does > 0) then
             t = crossing%t
-            self%turning = crossing%event
-            if (action == event_switch) self%search%side(crossing%event) = crossing%direction
-            return
+            action = does
+            if (does /= event_switch) return
+            ! What crosses at this instant turns its switch too
+            self%turning(crossing%event) = .true.
+            if (count(self%turning) == 1) last = min(last, t + near)
          end if
          call pass_crossing(self%search, scene%system, scene%work, integrator, crossing)
       end do
+      if (action == event_switch) return
       call end_step(self%search)
       call tell(self, scene%system, outcome)
    end subroutine pass_events
 
-   !> States of all switches behind the event that turns one (switches): whether each is on.
+   !> States of all switches behind the events that turn some (switches): whether each is on.
    pure function turned_states(self, system) result(on)
       type(events_type), intent(in) :: self
       type(system_type), intent(in) :: system
       logical :: on(size(system%on))
+      integer :: i
       on = system%on
-      associate (event => system%model%events(self%turning))
-         if (event%to == toggle) then
-            on(event%switch) = .not. on(event%switch)
-         else
-            on(event%switch) = event%to == turn_on
-         end if
-      end associate
+      do i = 1, size(self%turning)
+         if (.not. self%turning(i)) cycle
+         associate (event => system%model%events(i))
+            if (event%to == toggle) then
+               on(event%switch) = .not. on(event%switch)
+            else
+               on(event%switch) = event%to == turn_on
+            end if
+         end associate
+      end do
    end function turned_states
 
-   !> Counts the turn of a switch, at a state that `begin_events` has taken. An error where turns come ever faster.
+   !> Counts turns of switches, at a state that `begin_events` has taken. An error where they come ever faster.
    subroutine count_turn(self, system, t, error)
       type(events_type), intent(inout) :: self
       type(system_type), intent(in) :: system
@@ -164,7 +175,7 @@ contains
       real(wp), parameter :: at_once = 1.0e-7_wp
       call choose_events(self%search, system)
       self%turns = [t, self%turns(:remembered - 1)]
-      associate (dynamics => system%model%dynamics, event => system%model%events(self%turning))
+      associate (dynamics => system%model%dynamics, event => system%model%events(findloc(self%turning, .true., dim=1)))
          if (t - self%turns(remembered) <= at_once*(dynamics%end - dynamics%start)) call raise(error, "switch '"// &
             & system%model%switches(event%switch)%name//"' is turned again and again at t = "//as_text(t, 8)//', last by event '// &
             & "'"//event%name//"': "//as_text(remembered)//' turns within '//as_text(t - self%turns(remembered), 2)//' '// &

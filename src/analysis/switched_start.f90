@@ -21,13 +21,13 @@ contains
 
    !> Sets all switches at a state, changes its velocities to those that the constraints allow then, and counts the change of energy
    !> as work.
-   subroutine set_states(scene, t, on, event, tolerance, sample, renewed, outcome, error)
+   subroutine set_states(scene, t, on, turning, tolerance, sample, renewed, outcome, error)
       type(scene_type), intent(inout) :: scene
       real(wp), intent(in) :: t
       !> New states (switches)
       logical, intent(in) :: on(:)
-      !> Index of the event that turns one
-      integer, intent(in) :: event
+      !> Which events turn them (events)
+      logical, intent(in) :: turning(:)
       !> Local error allowed in a step
       real(wp), intent(in) :: tolerance
       !> State, and work put in so far; in: right before, out: right behind
@@ -46,7 +46,7 @@ contains
          call set_switches(system, work, on, renewed)
          if (renewed) then
             closes = any([(system%constraints(i)%item%rows > rows(i), i=1, size(rows))])
-            if (closes) call check_positions(scene, t, rows, event, tolerance, sample%q, error)
+            if (closes) call check_positions(scene, t, rows, findloc(turning, .true., dim=1), tolerance, sample%q, error)
             if (allocated(error)) return
             if (closes .or. was_redundant) call find_redundant(system, work, t, sample%q, error)
             if (allocated(error)) return
@@ -55,7 +55,12 @@ contains
          end if
          residual = energy() - before
          sample%w = sample%w + residual
-         call outcome%events%turn(event, system%on(system%model%events(event)%switch), residual)
+         do i = 1, size(turning)
+            if (.not. turning(i)) cycle
+            ! The first one stands for all at this instant
+            call outcome%events%turn(i, system%on(system%model%events(i)%switch), &
+               & merge(residual, 0.0_wp, .not. any(turning(:i - 1))))
+         end do
       end associate
 
    contains
@@ -73,7 +78,7 @@ contains
    subroutine check_positions(scene, t, rows, event, tolerance, q, error)
       type(scene_type), intent(inout) :: scene
       real(wp), intent(in) :: t
-      !> Numbers of equations before (constraints), index of the event
+      !> Numbers of equations before (constraints), index of the first event
       integer, intent(in) :: rows(:), event
       real(wp), intent(in) :: tolerance
       !> Coordinates (nq)
@@ -87,7 +92,7 @@ contains
          associate (item => scene%system%constraints(i)%item)
             if (missed(i) <= share*item%scale) cycle
             call raise(error, item%label//" does not close at t = "//as_text(t, 8)//", where event '"// &
-               & scene%system%model%events(event)%name//"' turns its switch on: its position is missed by "// &
+               & scene%system%model%events(event)%name//"' lets it act: its position is missed by "// &
                & as_text(missed(i), 3)//', and '//as_text(share*item%scale, 3)//' is allowed; let the event be where the'// &
                & ' position fits')
             return

@@ -47,7 +47,7 @@ contains
       self%rows(heads + 1:, self%count) = values
    end subroutine add
 
-   !> Notes in the last row that its event has turned a switch.
+   !> Notes in the last row of an event that it has turned a switch.
    subroutine turn(self, event, on, energy)
       class(met_events_type), intent(inout) :: self
       !> Index of the event
@@ -56,10 +56,10 @@ contains
       logical, intent(in) :: on
       !> By how much the energy of the scene has changed thereby
       real(wp), intent(in) :: energy
-      if (self%count == 0) return
+      integer :: row
+      row = findloc(nint(self%rows(2, :self%count)), event, dim=1, back=.true.)
       ! Rows beyond the most are not noted
-      if (nint(self%rows(2, self%count)) /= event .or. self%count >= most_rows) return
-      self%rows(4:5, self%count) = [merge(1.0_wp, -1.0_wp, on), energy]
+      if (row > 0 .and. self%count < most_rows) self%rows(4:5, row) = [merge(1.0_wp, -1.0_wp, on), energy]
    end subroutine turn
 
    !> Adds the rows of a later analysis.

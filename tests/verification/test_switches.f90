@@ -24,6 +24,8 @@ program test_switches
          call check_release(trim(integrators(i)))
          call check_coasting(trim(integrators(i)))
          call check_catch(trim(integrators(i)))
+         call check_instant(trim(integrators(i)), 1)
+         call check_instant(trim(integrators(i)), 2)
          call check_coupling(trim(integrators(i)))
          call check_break(trim(integrators(i)))
          call check_spring(trim(integrators(i)))
@@ -130,6 +132,31 @@ contains
          & integrator//': balance of energy')
       call reader%close()
    end subroutine check_catch
+
+   !> The same with two switches, which two events turn at one instant, in either order: the arm is not stopped by the stand.
+   subroutine check_instant(integrator, order)
+      character(*), intent(in) :: integrator
+      integer, intent(in) :: order
+      character(*), parameter :: catch = '*EVENT, NAME=catch, ACTION=SWITCH, SWITCH=latch'//nl//' angle(arm) + pi/2'//nl
+      character(*), parameter :: lift = '*EVENT, NAME=lift, ACTION=SWITCH, SWITCH=rest, TO=OFF'//nl//' angle(arm) + pi/2'//nl
+      real(wp), parameter :: j = 0.7_wp, caught = 0.8_wp
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: values(:)
+      character(:), allocatable :: events
+      events = catch//lift
+      if (order == 2) events = lift//catch
+      call run_scene('*GRAVITY'//nl//'*GROUND'//nl//' hook, 0, -1'//nl//'*SWITCH, NAME=latch, STATE=OFF'//nl// &
+         & '*SWITCH, NAME=rest'//nl//'*RIGID BODY, NAME=arm, MASS=2, INERTIA=0.2, CENTRE X=0.5'//nl//' tip, 1, 0'//nl// &
+         & '*POINT MASS, NAME=bob, MASS=0.8, Y=-1'//nl//'*JOINT, NAME=hinge, TYPE=REVOLUTE'//nl// &
+         & ' arm.origin, ground.origin'//nl//'*JOINT, NAME=stand, TYPE=REVOLUTE, ACTIVE=rest'//nl//' bob, ground.hook'//nl// &
+         & '*JOINT, NAME=grip, TYPE=REVOLUTE, ACTIVE=latch'//nl//' bob, arm.tip'//nl//events, integrator, 'END=1, OUTPUTS=10', &
+         & ' angle(arm)', reader)
+      values = numbers(reader, '/events/turned')
+      call check(size(values) == 2 .and. nint(sum(values)) == 0, integrator//': two turns at one instant')
+      values = numbers(reader, '/events/energy')
+      call check_close(sum(values), -g*caught/(j + caught), 20*bound(integrator), integrator//': energy lost at one instant')
+      call reader%close()
+   end subroutine check_instant
 
    !> A slide of 2 kg and 3 m/s meets one of 1 kg at rest, and a weld joins them, two of whose equations are redundant then.
    subroutine check_coupling(integrator)

@@ -332,7 +332,7 @@ contains
                outcome%slip(i) = slip
                outcome%slip_time(i) = t
             end if
-            if (item%rows > 1) cycle
+            if (item%rows /= 1) cycle
             do side = 1, 2
                if (item%bodies(side) == ground) cycle
                first = system%layout%q(item%bodies(side))

@@ -23,7 +23,8 @@ module limber_analysis_dynamic_analysis
    use limber_monitor_function_sudden, only: at_start, in_motion
    use limber_monitor_noise, only: noise_of
    use limber_scene_outcome, only: outcome_type, warn
-   use limber_scene_sampling, only: sample_type, sample_time, record, look_between, check_energy, check_residuals
+   use limber_scene_sampling, only: sample_type, sample_time, record, look_between, check_energy, check_residuals, &
+      & forget_system
    use limber_scene_scene, only: scene_type, seconds_since
    use limber_analysis_ringing_springs, only: ringing_springs_type
    use limber_analysis_stiffening, only: stiffening_type, watch_stiffness, stiffness_warning
@@ -524,6 +525,7 @@ contains
          call set_states(scene, t, turned_states(events, scene%system), events%turning, integrator%tolerance, sample, renewed, &
             & outcome, error)
          if (allocated(error)) return
+         call forget_system(sample)
          integrator%work_at_start = sample%w
          if (renewed) then
             call replace_integrator(scene, dynamics, costs, t, sample, integrator, error)

@@ -24,6 +24,7 @@ module limber_scene_sampling
    implicit none
    private
    public :: sample_type, sample_time, record, balance_sample, look_between, check_residuals, check_energy
+   public :: forget_system
 
    !> Scratch of the sampling, allocated once, and when the next samples are
    type :: sample_type
@@ -193,6 +194,12 @@ contains
          if (closed) sample%q = sample%change
       end associate
    end subroutine balance_sample
+
+   !> Forgets what is made of the constraints and loads of a system, which are others from now on.
+   subroutine forget_system(sample)
+      type(sample_type), intent(inout) :: sample
+      if (allocated(sample%held)) deallocate (sample%held, sample%rates)
+   end subroutine forget_system
 
    !> Whether a scene has something that bends, or loads that resist places.
    pure logical function is_elastic(system)

@@ -24,9 +24,11 @@ module limber_elements_switch
       & option_spec_type('SWITCH', 'INACTIVE', kind_reference, 'SWITCH', '', '', 'it acts only while this switch is off')]
    !> An example, as it stands in a deck of the tests
    character(*), parameter :: example(*) = [character(110) :: &
-      & '*SWITCH, NAME=brake, STATE=OFF', &
-      & '*EVENT, NAME=too-fast, DIRECTION=UP, ACTION=SWITCH, SWITCH=brake', &
-      & ' spin(left-drum) - 2']
+      & '*SWITCH, NAME=latch, STATE=OFF', &
+      & '*JOINT, NAME=grip, TYPE=REVOLUTE, ACTIVE=latch', &
+      & ' ball, arm.claw', &
+      & '*EVENT, NAME=catch, DIRECTION=DOWN, ACTION=SWITCH, SWITCH=latch', &
+      & ' angle(arm) + pi/2']
 
    type, extends(element_type) :: switch_element_type
    contains

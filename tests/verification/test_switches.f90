@@ -5,6 +5,7 @@
 program test_switches
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
+   use limber_commands_run, only: run_deck
    use limber_output_history_reader, only: history_reader_type
    use runs, only: run_text, channel
    use testing, only: check, check_close, check_no_error, finish
@@ -34,6 +35,8 @@ program test_switches
          call check_lock(trim(integrators(i)))
       end do
    end do
+   tolerance = '1e-6'
+   call check_latch()
    call check_statics()
    call check_states()
    call check_refusals()
@@ -324,6 +327,31 @@ contains
       call check_close(maxval(abs(values(11:))), 0.0_wp, 1.0e-9_wp, integrator//': without speed')
       call reader%close()
    end subroutine check_lock
+
+   !> input/latch.inp: energy of the catch, and where the ball is at the end.
+   subroutine check_latch()
+      real(wp), parameter :: j = 4.0_wp/3, ball = 0.5_wp, up = 0.7_wp
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report
+      real(wp), allocatable :: values(:), t(:)
+      real(wp) :: caught, thrown, since
+      call run_deck('../input/latch.inp', trim(results), .true., .true., report, error)
+      call check_no_error(error, 'latch')
+      call reader%open(trim(results), error)
+      call check_no_error(error, 'latch')
+      caught = sqrt(4*g/j)*j/(j + ball)
+      thrown = sqrt(caught**2 - 2*g*(2 + ball)*(1 - cos(up))/(j + ball))
+      values = numbers(reader, '/events/energy')
+      call check_close(sum(values), 0.5_wp*(j + ball)*caught**2 - 2*g, 1.0e-7_wp, 'latch: energy of the catch')
+      t = numbers(reader, '/events/time')
+      since = 1.2_wp - t(3)
+      values = channel(reader, 'x_ball')
+      call check_close(values(121), -sin(up) - thrown*cos(up)*since, 1.0e-7_wp, 'latch: x of the ball')
+      values = channel(reader, 'y_ball')
+      call check_close(values(121), -cos(up) + thrown*sin(up)*since - 0.5_wp*g*since**2, 1.0e-7_wp, 'latch: y of the ball')
+      call reader%close()
+   end subroutine check_latch
 
    !> A second spring acts since an event of the motion: the equilibrium that follows has both.
    subroutine check_statics()

@@ -6,7 +6,7 @@ module limber_analysis_switched_start
    use limber_base_text, only: as_text
    use limber_multibody_equations_of_motion, only: mechanical_energy
    use limber_multibody_projection, only: settle
-   use limber_multibody_switching, only: set_switches, missed_positions, find_redundant
+   use limber_multibody_switching, only: set_switches, keep_values, missed_positions, find_redundant
    use limber_scene_outcome, only: outcome_type
    use limber_scene_sampling, only: sample_type
    use limber_scene_scene, only: scene_type
@@ -46,6 +46,7 @@ contains
          call set_switches(system, work, on, renewed)
          if (renewed) then
             closes = any([(system%constraints(i)%item%rows > rows(i), i=1, size(rows))])
+            if (closes) call keep_values(system, work, rows, t, sample%q)
             if (closes) call check_positions(scene, t, rows, findloc(turning, .true., dim=1), tolerance, sample%q, error)
             if (allocated(error)) return
             if (closes .or. was_redundant) call find_redundant(system, work, t, sample%q, error)

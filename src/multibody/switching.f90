@@ -11,12 +11,13 @@ module limber_multibody_switching
    use limber_multibody_constraint_rank, only: assembly_type, check_rank
    use limber_multibody_multiplier_system, only: place_constraints
    use limber_multibody_equations_of_motion, only: position_residual, worst_constraint
+   use limber_multibody_function_constraints, only: linear_type
    use limber_multibody_kinematics, only: angle_type
    use limber_multibody_system, only: system_type, workspace_type, new_workspace, let_act, number_equations
    use limber_multibody_topology, only: new_tree
    implicit none
    private
-   public :: set_switches, missed_positions, find_redundant, exchange_switches
+   public :: set_switches, keep_values, missed_positions, find_redundant, exchange_switches
 
 contains
 
@@ -60,6 +61,29 @@ contains
       work%matrix%factorisations = counts(2)
       work%lambda = 0.0_wp
    end subroutine renew_workspace
+
+   !> Lets constraints that begin to act keep the values that they have at a state, if they are of that kind: couplers and gears, rods
+   !> without a length.
+   subroutine keep_values(system, work, before, t, q)
+      type(system_type), intent(inout) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Number of equations of each before (constraints)
+      integer, intent(in) :: before(:)
+      !> Time; coordinates (nq)
+      real(wp), intent(in) :: t, q(:)
+      real(wp) :: largest
+      integer :: i
+      call place_constraints(system, work, t, q)
+      largest = position_residual(system, work)
+      do i = 1, size(before)
+         if (before(i) > 0) cycle
+         select type (item => system%constraints(i)%item)
+         type is (linear_type)
+            if (item%keeps .and. item%part_of == 0) item%offset(:item%rows) = item%offset(:item%rows) &
+               & + work%phi(item%first:item%first + item%rows - 1)
+         end select
+      end do
+   end subroutine keep_values
 
    !> By how much constraints that begin to act miss their positions at a state: norm of the residual (constraints) [length or rad];
    !> zero for all others.
@@ -132,12 +156,20 @@ contains
          call snapshot%exchange('switch', on(i))
       end do
       call snapshot%exchange('redundant', redundant)
-      if (.not. snapshot%restoring) return
-      renewed = any(on .neqv. system%on)
-      call set_switches(system, work, on, others)
-      if (redundant .eqv. system%redundant) return
-      call soften_constraints(system)
-      call renew_workspace(system, work)
+      if (snapshot%restoring) then
+         renewed = any(on .neqv. system%on)
+         call set_switches(system, work, on, others)
+      end if
+      do i = 1, size(system%constraints)
+         select type (item => system%constraints(i)%item)
+         type is (linear_type)
+            if (item%keeps) call snapshot%exchange('kept', item%offset)
+         end select
+      end do
+      if (redundant .neqv. system%redundant) then
+         call soften_constraints(system)
+         call renew_workspace(system, work)
+      end if
    end subroutine exchange_switches
 
 end module limber_multibody_switching

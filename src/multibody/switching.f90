@@ -62,8 +62,8 @@ contains
       work%lambda = 0.0_wp
    end subroutine renew_workspace
 
-   !> Lets constraints that begin to act keep the values that they have at a state, if they are of that kind: couplers and gears, rods
-   !> without a length.
+   !> Lets constraints that begin to act keep the values that they have at a state, if they are of that kind: couplers and gears,
+   !> rods without a length.
    subroutine keep_values(system, work, before, t, q)
       type(system_type), intent(inout) :: system
       type(workspace_type), intent(inout) :: work
@@ -85,7 +85,7 @@ contains
       end do
    end subroutine keep_values
 
-   !> By how much constraints that begin to act miss their positions at a state: norm of the residual (constraints) [length or rad];
+   !> By how much constraints that begin to act miss their positions at a state: norm of the residual (constraints) [length, rad];
    !> zero for all others.
    subroutine missed_positions(system, work, before, t, q, missed)
       type(system_type), intent(in) :: system

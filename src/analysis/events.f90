@@ -90,6 +90,8 @@ contains
       logical, intent(out) :: again
       type(outcome_type), intent(inout) :: outcome
       type(error_type), allocatable, intent(out) :: error
+      !> Part of the analysis that is no step: round-off of places is much of its speeds
+      real(wp), parameter :: brief = 1.0e-7_wp
       type(event_crossing_type) :: crossing
       real(wp) :: last
       integer :: sides(size(self%counts)), counts(size(self%counts)), rows, does
@@ -118,10 +120,11 @@ contains
             does = 0
             if (event%action /= event_sample .and. self%counts(crossing%event) == event%number) does = event%action
             if (event%action == event_switch .and. self%counts(crossing%event) > event%number) does = event_switch
-            if (does > 0 .and. integrator%ends_on_samples .and. crossing%t < t - near) then
+            ! Right behind the start of a step its output is exact, and a step that ends there is not
+            if (does > 0 .and. integrator%ends_on_samples .and. crossing%t < t - near .and. &
+               & crossing%t > self%search%t + brief*(scene%system%model%dynamics%end - scene%system%model%dynamics%start)) then
                again = .true.
-               ! Right behind its start no step can end
-               self%hold = max(crossing%t, self%search%t + near)
+               self%hold = crossing%t
                self%held = crossing
                self%search%side = sides
                self%counts = counts

@@ -1,6 +1,6 @@
 !> Switches by all integrators, against closed forms: a mass and a wheel that their drivers let go, an arm that catches a mass, a
-!> slide that is coupled to another, a rod that breaks at a place and at a force, a spring that engages, a force that is toggled, a
-!> beam that its support lets go, an arm that is locked; analyses behind; what is refused.
+!> slide that is coupled to another, a rod that breaks at a place and at a force, a chain that breaks, a clutch, a spring that
+!> engages, a force that is toggled, a beam that its support lets go, an arm that is locked; analyses behind; what is refused.
 !> Usage, in tests/: test_switches RESULT_FILE
 program test_switches
    use limber_base_kinds, only: wp
@@ -29,6 +29,8 @@ program test_switches
          call check_instant(trim(integrators(i)), 2)
          call check_coupling(trim(integrators(i)))
          call check_break(trim(integrators(i)))
+         call check_chain(trim(integrators(i)))
+         call check_clutch(trim(integrators(i)))
          call check_spring(trim(integrators(i)))
          call check_toggle(trim(integrators(i)))
          call check_beam(trim(integrators(i)))
@@ -218,6 +220,50 @@ contains
       call check_close(x(11), -speed*cos(angle), 20*bound(integrator), integrator//': speed behind it')
       call reader%close()
    end subroutine check_break
+
+   !> A chain of twelve bars that falls breaks in its middle at a sample: the mass centre of the loose half has the acceleration of
+   !> gravity, and the energy stays.
+   subroutine check_chain(integrator)
+      character(*), intent(in) :: integrator
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: y(:), e(:)
+      call run_scene('*GRAVITY'//nl//'*SWITCH, NAME=whole'//nl//'*REPEAT, COUNT=12, INDEX=i'//nl// &
+         & '*RIGID BODY, NAME=bar<i>, MASS=1, INERTIA=1/12, CENTRE X=0.5, X=i - 1'//nl//' middle, 0.5, 0'//nl//' end, 1, 0'//nl// &
+         & '*END REPEAT'//nl//'*JOINT, NAME=pin1, TYPE=REVOLUTE'//nl//' bar1.origin, ground.origin'//nl// &
+         & '*REPEAT, COUNT=5, INDEX=i, FROM=2'//nl//'*JOINT, NAME=pin<i>, TYPE=REVOLUTE'//nl//' bar<i>.origin, bar<i - 1>.end'// &
+         & nl//'*END REPEAT'//nl//'*JOINT, NAME=pin7, TYPE=REVOLUTE, ACTIVE=whole'//nl//' bar7.origin, bar6.end'//nl// &
+         & '*REPEAT, COUNT=5, INDEX=i, FROM=8'//nl//'*JOINT, NAME=pin<i>, TYPE=REVOLUTE'//nl//' bar<i>.origin, bar<i - 1>.end'// &
+         & nl//'*END REPEAT'//nl//'*EVENT, NAME=crack, ACTION=SWITCH, SWITCH=whole, TO=OFF'//nl//' t - 0.2'//nl, integrator, &
+         & 'END=0.6, OUTPUTS=6', ' c = (y(bar7.middle) + y(bar8.middle) + y(bar9.middle) + y(bar10.middle) + '// &
+         & 'y(bar11.middle) + y(bar12.middle))/6'//nl//' e = kinetic_energy(system) + potential_energy(system)', reader)
+      y = channel(reader, 'c')
+      call check_close(maxval(abs(y(5:) - 2*y(4:6) + y(3:5) + 0.01_wp*g)), 0.0_wp, 20*bound(integrator), integrator// &
+         & ': fall of the loose half')
+      e = channel(reader, 'e')
+      call check_close(maxval(abs(e - e(1))), 0.0_wp, merge(1.0e-3_wp, 100*bound(integrator), integrator == 'ALPHA'), &
+         & integrator//': energy of the chain')
+      call reader%close()
+   end subroutine check_chain
+
+   !> A clutch of two wheels, a coupler that begins to act at whatever angles they have: moment of momentum, energy lost.
+   subroutine check_clutch(integrator)
+      character(*), intent(in) :: integrator
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: values(:)
+      call run_scene('*SWITCH, NAME=clutch, STATE=OFF'//nl//'*GROUND'//nl//' right, 1, 0'//nl// &
+         & '*RIGID BODY, NAME=a, MASS=1, INERTIA=0.3, SPIN=20'//nl//'*RIGID BODY, NAME=b, MASS=1, INERTIA=0.2, X=1'//nl// &
+         & '*JOINT, NAME=ja, TYPE=REVOLUTE'//nl//' a, ground.origin'//nl//'*JOINT, NAME=jb, TYPE=REVOLUTE'//nl// &
+         & ' b, ground.right'//nl//'*COUPLER, NAME=shaft, ACTIVE=clutch'//nl//' 1, joint_angle, ja'//nl//' -1, joint_angle, jb'// &
+         & nl//'*EVENT, NAME=engage, ACTION=SWITCH, SWITCH=clutch'//nl//' angle(a) - 9'//nl, integrator, 'END=1, OUTPUTS=10', &
+         & ' spin(a), angle(a), angle(b)', reader)
+      values = numbers(reader, '/events/energy')
+      call check_close(values(1), -0.5_wp*0.3_wp*0.2_wp/0.5_wp*400, 400*bound(integrator), integrator//': loss of the clutch')
+      values = channel(reader, 'spin_a')
+      call check_close(values(11), 12.0_wp, 20*bound(integrator), integrator//': speed of both wheels')
+      values = channel(reader, 'angle_a') - channel(reader, 'angle_b')
+      call check_close(values(11), 9.0_wp, 20*bound(integrator), integrator//': their angles keep their difference')
+      call reader%close()
+   end subroutine check_clutch
 
    !> A mass of 2 kg at 1 m/s: at x = 1 a spring of 50 N/m engages without tension, or with that of 0.5 m.
    subroutine check_spring(integrator)

@@ -5,6 +5,7 @@ module limber_multibody_switching
    use limber_base_error, only: error_type, raise
    use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: as_text
+   use limber_model_model, only: ground
    use limber_multibody_assembly_newton, only: close_positions
    use limber_multibody_compliant_constraints, only: soften_constraints
    use limber_multibody_constraint_matrix, only: constraint_matrix_type, new_constraint_matrix
@@ -103,10 +104,31 @@ contains
       largest = position_residual(system, work)
       do i = 1, size(missed)
          associate (item => system%constraints(i)%item)
-            if (before(i) == 0 .and. item%part_of == 0) missed(i) = norm2(work%phi(item%first:item%first + item%rows - 1))
+            if (before(i) > 0 .or. item%rows == 0 .or. item%part_of > 0) cycle
+            missed(i) = norm2(work%phi(item%first:item%first + item%rows - 1))
+            if (points_back(system, work, i)) missed(i) = 2*item%scale
          end associate
       end do
    end subroutine missed_positions
+
+   !> Whether a joint that keeps an angle is half a turn away from it, where its equation, the sine of the angle, is satisfied too.
+   pure logical function points_back(system, work, joint)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(in) :: work
+      !> Index of the constraint
+      integer, intent(in) :: joint
+      points_back = .false.
+      if (joint > size(system%model%joints)) return
+      if (.not. system%model%joints(joint)%keeps_angle) return
+      associate (item => system%constraints(joint)%item)
+         ! The equation of the angle is the last, and grows with the rotation of the first body
+         if (item%bodies(1) /= ground) then
+            points_back = work%jacobians(1, joint)%z(item%rows, 3) < 0.0_wp
+         else
+            points_back = work%jacobians(2, joint)%z(item%rows, 3) > 0.0_wp
+         end if
+      end associate
+   end function points_back
 
    !> Brings a state onto constraints that begin to act, and lets redundant equations give way, where there are some.
    subroutine find_redundant(system, work, t, q, error)

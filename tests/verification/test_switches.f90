@@ -433,6 +433,10 @@ contains
       call check_refused(body//'*JOINT, NAME=pin, TYPE=REVOLUTE, ACTIVE=s'//nl//' p, ground.origin'//nl// &
          & '*EVENT, NAME=e, ACTION=SWITCH, SWITCH=s'//nl//' x(p) - 0.5'//nl//'*DYNAMICS, END=1'//nl, &
          & "joint 'pin' does not close at t = 0.5")
+      call check_refused('*SWITCH, NAME=s, STATE=OFF'//nl//'*RIGID BODY, NAME=p, MASS=1, INERTIA=1, SPIN=4'//nl// &
+         & '*JOINT, NAME=weld, TYPE=WELD, TURN=0, ACTIVE=s'//nl//' p, ground.origin'//nl// &
+         & '*EVENT, NAME=e, ACTION=SWITCH, SWITCH=s'//nl//' angle(p) - pi'//nl//'*DYNAMICS, END=2'//nl, &
+         & "joint 'weld' does not close at t = 0.785398")
       call check_refused(body//'*FORCE, NAME=f, POINT=p, ACTIVE=s'//nl//' -1, 0'//nl//'*FORCE, NAME=h, POINT=p, INACTIVE=s'//nl// &
          & ' 1, 0'//nl//'*EVENT, NAME=e, ACTION=SWITCH, SWITCH=s, TO=TOGGLE'//nl//' vx(p) - 1.5'//nl//'*DYNAMICS, END=1'//nl, &
          & "switch 's' is turned again and again at t = 0.5")

@@ -254,8 +254,8 @@ contains
          return
       end if
       if (crossed < 0 .and. b%t - a%t <= none*self%h) then
-         ! Right behind a crossing the scalar is still zero
-         if (a%t > self%from%t .and. self%grazing == 0) then
+         ! Right behind a crossing the scalar is still zero; at the end of a step it may be on its way to one
+         if (a%t > self%from%t .and. self%grazing == 0 .and. self%side(-crossed)*b%slope(-crossed) >= 0.0_wp) then
             self%grazing = -crossed
             self%grazed = b%t
          end if

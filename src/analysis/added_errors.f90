@@ -15,7 +15,7 @@ module limber_analysis_added_errors
    use limber_scene_outcome, only: outcome_type, warn
    implicit none
    private
-   public :: added_errors_type, start_added, begin_added, note_added, tell_errors
+   public :: added_errors_type, start_added, begin_added, note_added, tell_errors, tell_passages
 
    !> What is remembered
    type :: added_errors_type
@@ -32,7 +32,7 @@ contains
 
    !> Begins a run.
    subroutine start_added(self, system, crossings, t, q, v)
-      type(added_errors_type), intent(inout) :: self
+      type(added_errors_type), intent(out) :: self
       type(system_type), intent(in) :: system
       type(crossings_type), intent(in) :: crossings
       !> First state (nq)
@@ -84,6 +84,17 @@ contains
       call begin_step(self%defect, t, q, v)
    end subroutine note_added
 
+   !> Tells of errors of passages of laws and of own motions.
+   subroutine tell_passages(self, system, crossings, dynamics, outcome)
+      type(added_errors_type), intent(in) :: self
+      type(system_type), intent(in) :: system
+      type(crossings_type), intent(in) :: crossings
+      type(dynamics_type), intent(in) :: dynamics
+      type(outcome_type), intent(inout) :: outcome
+      if (size(crossings%loads) > 0) call tell(outcome, passing_warning(self%passages, system, crossings, dynamics))
+      call tell(outcome, motion_warning(self%motions, system, dynamics))
+   end subroutine tell_passages
+
    !> Tells at the end of a run of errors of its motion.
    subroutine tell_errors(self, system, crossings, dynamics, watch, tolerance, t, outcome)
       type(added_errors_type), intent(in) :: self
@@ -94,22 +105,19 @@ contains
       !> Local error allowed, end of the run
       real(wp), intent(in) :: tolerance, t
       type(outcome_type), intent(inout) :: outcome
-      if (size(crossings%loads) > 0) call tell(passing_warning(self%passages, system, crossings, dynamics))
-      call tell(motion_warning(self%motions, system, dynamics))
-      call tell(scale_warning(watch, system, tolerance, t))
-      if (allocated(outcome%turned)) call tell(phase_warning(system, tolerance, maxval(abs(outcome%turned)), &
+      call tell_passages(self, system, crossings, dynamics, outcome)
+      call tell(outcome, scale_warning(watch, system, tolerance, t))
+      if (allocated(outcome%turned)) call tell(outcome, phase_warning(system, tolerance, maxval(abs(outcome%turned)), &
          & dynamics%end - dynamics%start, outcome%ahead))
-      if (allocated(outcome%slip)) call tell(slip_warning(watch, system, dynamics, outcome%slip, outcome%slip_time, &
+      if (allocated(outcome%slip)) call tell(outcome, slip_warning(watch, system, dynamics, outcome%slip, outcome%slip_time, &
          & outcome%slip_speed))
-
-   contains
-
-      subroutine tell(text)
-         character(*), intent(in) :: text
-         if (text /= '') call warn(outcome, text)
-      end subroutine tell
-
    end subroutine tell_errors
+
+   subroutine tell(outcome, text)
+      type(outcome_type), intent(inout) :: outcome
+      character(*), intent(in) :: text
+      if (text /= '') call warn(outcome, text)
+   end subroutine tell
 
    !> Saves or restores its memory.
    subroutine exchange_added(self, snapshot)

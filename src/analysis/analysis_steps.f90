@@ -36,6 +36,7 @@ module limber_analysis_analysis_steps
    use limber_multibody_equilibrium, only: equilibrium_type, new_equilibrium
    use limber_multibody_modal_damping, only: any_modal
    use limber_multibody_small_vibrations, only: vibrations_type, no_damping
+   use limber_multibody_switching, only: exchange_switches
    implicit none
    private
    public :: run_steps, passed_type
@@ -164,8 +165,10 @@ contains
       !> Saves or restores all that the next analysis begins with, and what is reported of those before it.
       subroutine exchange(snapshot)
          type(snapshot_type), intent(inout) :: snapshot
+         logical :: renewed
          call passed%exchange(snapshot)
          call scene%last%exchange(snapshot)
+         call exchange_switches(scene%system, scene%work, snapshot, renewed)
          call scene%work%exchange(snapshot)
          call history%exchange(snapshot)
          call exchange_outcomes(scene, outcome, snapshot)

@@ -30,7 +30,7 @@ contains
 
    !> Room, and which laws are watched.
    subroutine new_crossings(self, system, start, duration, tolerance)
-      type(crossings_type), intent(inout) :: self
+      type(crossings_type), intent(out) :: self
       type(system_type), intent(in) :: system
       !> First time, and length of the whole analysis
       real(wp), intent(in) :: start, duration

@@ -11,9 +11,10 @@ module limber_analysis_dynamic_analysis
    use limber_analysis_cost_watch, only: costs_type, watch_costs, stands_in
    use limber_analysis_crossings, only: crossings_type, new_crossings, begin_crossings, resume_crossings, go_on, find_crossing, &
       & count_crossing, found_nothing, found_bend, found_jump
-   use limber_analysis_events, only: events_type, start_events, begin_events, pass_events
+   use limber_analysis_events, only: events_type, start_events, begin_events, pass_events, turned_states, count_turn
    use limber_analysis_fresh_start, only: pass_break
-   use limber_analysis_added_errors, only: added_errors_type, start_added, begin_added, note_added, tell_errors
+   use limber_analysis_switched_start, only: set_states
+   use limber_analysis_added_errors, only: added_errors_type, start_added, begin_added, note_added, tell_errors, tell_passages
    use limber_scene_interruption, only: interruption_type
    use limber_monitor_indicator_start, only: start_indicators
    use limber_scene_joint_check, only: watches_joints
@@ -22,7 +23,8 @@ module limber_analysis_dynamic_analysis
    use limber_monitor_function_sudden, only: at_start, in_motion
    use limber_monitor_noise, only: noise_of
    use limber_scene_outcome, only: outcome_type, warn
-   use limber_scene_sampling, only: sample_type, sample_time, record, look_between, check_energy, check_residuals
+   use limber_scene_sampling, only: sample_type, sample_time, record, look_between, check_energy, check_residuals, &
+      & forget_system
    use limber_scene_scene, only: scene_type, seconds_since
    use limber_analysis_ringing_springs, only: ringing_springs_type
    use limber_analysis_stiffening, only: stiffening_type, watch_stiffness, stiffness_warning
@@ -36,13 +38,15 @@ module limber_analysis_dynamic_analysis
    use limber_integrator_radau, only: radau_type
    use limber_integrator_integrator, only: integrator_type
    use limber_model_law_breaks, only: last_instant
-   use limber_model_model, only: dynamics_type
+   use limber_model_model, only: dynamics_type, event_switch
    use limber_output_channel_values, only: recorder_type, new_recorder, sample_width
+   use limber_output_internal_forces, only: renew_efforts
    use limber_output_progress, only: progress_type
    use limber_output_sample_sink, only: sink_type
    use limber_output_followed_turns, only: follow_places, follow_motion
    use limber_multibody_kinematics, only: place_frames, move_frames, settle_angles
    use limber_multibody_multiplier_system, only: place_constraints
+   use limber_multibody_switching, only: exchange_switches
    use limber_multibody_system, only: system_type
    implicit none
    private
@@ -177,7 +181,9 @@ contains
       !> up to which the last step counts, the last break, and the end: right before it if a law of time changes there
       real(wp) :: stop, barrier, near, t, since, last
       integer :: passed, seen, begun
-      logical :: at_station, cut, stiff, changes, first, again
+      logical :: at_station, cut, stiff, changes, first, again, turns
+      !> What an event in the last step does, event_switch, ...; 0: nothing
+      integer :: action
       call find_instants(scene%system%model, breaks, stations, outcome)
       passed = 0
       seen = 0
@@ -188,16 +194,10 @@ contains
       last = last_instant(scene%system%model, dynamics%start, dynamics%end)
       sample%q = scene%q
       sample%v = scene%v
-      call new_crossings(crossings, scene%system, dynamics%start, dynamics%end - dynamics%start, integrator%tolerance)
-      if (size(crossings%loads) > 0) call begin_crossings(crossings, scene%system, scene%work, t, scene%q, scene%v, 0.0_wp)
-      call start_added(added, scene%system, crossings, t, scene%q, scene%v)
+      call watch_laws()
       call start_events(events, scene%system, scene%work, t, scene%q, scene%v, integrator%tolerance)
-      call new_curve_watch(curves, scene%system, dynamics%end - dynamics%start, integrator%tolerance)
-      if (size(curves%joints) > 0) call begin_curves(curves, scene%system, scene%work, t, scene%q, scene%v, 0.0_wp)
       if (recorder%needs_accelerations) call start_unfollowed(unfollowed, scene)
       if (recorder%needs_accelerations .and. dynamics%integrator == 'CONSERVING') call springs%start(scene%system)
-      call new_pieces(pieces, scene%system, dynamics%start, dynamics%end - dynamics%start)
-      if (size(pieces%paths) > 0) call begin_pieces(pieces, scene%system, scene%work, t, scene%q, scene%v)
       call start_watch(watch, t, scene%v)
       call start_turning(turning, scene%system, t, scene%q, scene%v, integrator%ends_on_samples)
       call follow_turns(t)
@@ -276,11 +276,20 @@ contains
             call meet_crossing()
          end if
          if (size(pieces%paths) > 0) call meet_end()
+         turns = .false.
          if (size(events%counts) > 0) then
-            call pass_events(events, scene, integrator, recorder, sample, near, t, outcome%ended, again, outcome, error)
+            call pass_events(events, scene, integrator, recorder, sample, near, t, action, again, outcome, error)
             if (again) call step_again()
             if (allocated(error)) exit
             if (again) cycle
+            turns = action == event_switch
+            if (turns) then
+               cut = .true.
+               crossings%found = found_nothing
+               crossings%hold = huge(t)
+            else
+               outcome%ended = action
+            end if
          end if
          if (.not. dynamics%fixed_step > 0.0_wp) call outcome%bound%note(integrator%t_before, t, integrator%order, &
             & integrator%spare .or. .not. cut .and. t >= stop - near)
@@ -318,8 +327,9 @@ contains
          else if (cut) then
             call record_before(t + near)
             if (allocated(error)) exit
-            call start_anew(t, .false.)
+            if (.not. turns) call start_anew(t, .false.)
          end if
+         if (turns .and. .not. allocated(error)) call turn_switch(max(t, integrator%t_before))
          if (allocated(error)) exit
          call record_before(t + near)
          if (changes .and. .not. allocated(error)) call change_integrator()
@@ -337,6 +347,21 @@ contains
       if (.not. allocated(error)) call warn_of_vibrations()
 
    contains
+
+      !> Makes room for all that looks at laws and curves that act, at the state of the sample.
+      subroutine watch_laws()
+         real(wp) :: duration
+         duration = dynamics%end - dynamics%start
+         call new_crossings(crossings, scene%system, dynamics%start, duration, integrator%tolerance)
+         if (size(crossings%loads) > 0) call begin_crossings(crossings, scene%system, scene%work, t, sample%q, sample%v, &
+            & integrator%work_at_start)
+         call start_added(added, scene%system, crossings, t, sample%q, sample%v)
+         call new_curve_watch(curves, scene%system, duration, integrator%tolerance)
+         if (size(curves%joints) > 0) call begin_curves(curves, scene%system, scene%work, t, sample%q, sample%v, &
+            & integrator%work_at_start)
+         call new_pieces(pieces, scene%system, dynamics%start, duration)
+         if (size(pieces%paths) > 0) call begin_pieces(pieces, scene%system, scene%work, t, sample%q, sample%v)
+      end subroutine watch_laws
 
       !> Bounds the steps of a companion where those of its run were bound.
       subroutine keep_pace()
@@ -483,6 +508,40 @@ contains
             & integrator%work_at_start)
       end subroutine start_anew
 
+      !> Turns a switch at a time that the integrator has reached, or has just been started at, and starts it anew.
+      subroutine turn_switch(time)
+         real(wp), intent(in) :: time
+         logical :: renewed
+         if (integrator%t > integrator%t_before) then
+            call integrator%interpolate(time, sample%q, sample%v, sample%w)
+            call integrator%complete(scene%system, scene%work, time, sample%q, sample%v)
+         else
+            sample%w = integrator%work_at_start
+         end if
+         t = time
+         call tell_kinks(pieces, scene%system, outcome)
+         call tell_passages(added, scene%system, crossings, dynamics, outcome)
+         call release_pieces(scene%system)
+         call set_states(scene, t, turned_states(events, scene%system), events%turning, integrator%tolerance, sample, renewed, &
+            & outcome, error)
+         if (allocated(error)) return
+         call forget_system(sample)
+         integrator%work_at_start = sample%w
+         if (renewed) then
+            call replace_integrator(scene, dynamics, costs, t, sample, integrator, error)
+         else
+            call integrator%start(scene%system, scene%work, t, dynamics%end - dynamics%start, sample%q, sample%v, error)
+         end if
+         if (allocated(error)) return
+         call watch_laws()
+         call renew_efforts(recorder%efforts, scene%system)
+         call start_watch(watch, t, sample%v)
+         call start_turning(turning, scene%system, t, sample%q, sample%v, integrator%ends_on_samples)
+         call follow_turns(t)
+         call begin_events(events, scene%system, scene%work, t, sample%q, sample%v, integrator%work_at_start)
+         call count_turn(events, scene%system, t, error)
+      end subroutine turn_switch
+
       !> Does the last step again, up to an event within it.
       subroutine step_again()
          integrator%work_at_start = events%search%w
@@ -560,15 +619,19 @@ contains
       !> Saves or restores all that the run remembers.
       subroutine exchange(snapshot)
          type(snapshot_type), intent(inout) :: snapshot
+         logical :: renewed
          call snapshot%exchange('passed', passed)
          call sample%exchange(snapshot)
+         call exchange_switches(scene%system, scene%work, snapshot, renewed)
          call stiffening%exchange(snapshot)
          if (unfollowed%watched) call unfollowed%exchange(snapshot)
          call springs%exchange(snapshot)
          call costs%exchange(snapshot)
-         if (snapshot%restoring .and. allocated(costs%now)) call replace_integrator(scene, dynamics, costs, dynamics%start, &
-            & sample, integrator, error)
+         if (snapshot%restoring .and. (allocated(costs%now) .or. renewed)) call replace_integrator(scene, dynamics, costs, &
+            & dynamics%start, sample, integrator, error)
          if (allocated(error)) return
+         if (renewed) call watch_laws()
+         if (renewed) call renew_efforts(recorder%efforts, scene%system)
          call integrator%exchange(snapshot, scene%system)
          call scene%work%exchange(snapshot)
          call recorder%exchange(snapshot)
@@ -644,7 +707,7 @@ contains
    subroutine replace_integrator(scene, dynamics, costs, t, sample, integrator, error)
       type(scene_type), intent(inout) :: scene
       type(dynamics_type), intent(in) :: dynamics
-      !> What the other is
+      !> What the other is; the same as at first if nothing has changed it
       type(costs_type), intent(in) :: costs
       real(wp), intent(in) :: t
       !> With the work put in so far
@@ -654,8 +717,8 @@ contains
       class(integrator_type), allocatable :: other
       type(dynamics_type) :: choice
       choice = dynamics
-      choice%integrator = costs%now
-      choice%tolerance = costs%tolerance(dynamics%tolerance)
+      if (allocated(costs%now)) choice%integrator = costs%now
+      if (allocated(costs%now)) choice%tolerance = costs%tolerance(dynamics%tolerance)
       call new_integrator(choice, other)
       other%statistics = integrator%statistics
       other%work_at_start = sample%w

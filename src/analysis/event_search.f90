@@ -7,12 +7,13 @@ module limber_analysis_event_search
    use limber_base_snapshot, only: snapshot_type
    use limber_deck_range, only: range_type
    use limber_integrator_integrator, only: integrator_type
+   use limber_model_model, only: event_switch, turn_on, toggle
    use limber_multibody_kinematics, only: place_frames, move_frames
    use limber_multibody_motion_laws, only: moment_type, new_moment, read_law, range_between, law_doubt
    use limber_multibody_system, only: system_type, workspace_type
    implicit none
    private
-   public :: event_search_type, event_crossing_type, start_search, begin_step, find_first, pass_crossing, end_step
+   public :: event_search_type, event_crossing_type, start_search, begin_step, find_first, pass_crossing, end_step, choose_events
 
    !> Halvings of a step, and looks at it, at most
    integer, parameter :: deepest = 60, most_looks = 400
@@ -34,6 +35,8 @@ module limber_analysis_event_search
       integer, allocatable :: side(:)
       !> Whether only its sides at the ends of steps are looked at: it could not be resolved before (events)
       logical, allocatable :: coarse(:)
+      !> Whether none of its crossings count, for its switch is in the state that it would turn it to (events)
+      logical, allocatable :: without(:)
       !> State at the start of the step, and the work put in up to there
       real(wp) :: t = 0.0_wp, w = 0.0_wp
       real(wp), allocatable :: q(:), v(:)
@@ -68,12 +71,12 @@ contains
       real(wp), intent(in) :: q(:), v(:)
       !> Local error allowed in a step, relative to the scales
       real(wp), intent(in) :: tolerance
-      real(wp), parameter :: few = 8*epsilon(1.0_wp)
       integer :: i, n
       n = size(system%events)
       self%tolerance = tolerance
       allocate (self%side(n), source=0)
       allocate (self%coarse(n), source=.false.)
+      allocate (self%without(n), source=.true.)
       if (n == 0) return
       allocate (self%halves(deepest))
       call new_moment(n, self%from)
@@ -84,12 +87,30 @@ contains
       end do
       allocate (self%trial_q(size(q)), self%trial_v(size(v)))
       call begin_step(self, system, work, t, q, v, 0.0_wp)
-      do i = 1, n
+      call choose_events(self, system)
+   end subroutine start_search
+
+   !> Which events count as the switches are, at a state that `begin_step` has taken. One that begins to count has the side there: a
+   !> scalar that is zero is on the side to which it goes.
+   subroutine choose_events(self, system)
+      type(event_search_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      real(wp), parameter :: few = 8*epsilon(1.0_wp)
+      logical :: before
+      integer :: i
+      do i = 1, size(self%side)
+         before = self%without(i)
+         self%without(i) = .false.
+         associate (event => system%model%events(i))
+            if (event%action == event_switch .and. event%to /= toggle) &
+               & self%without(i) = system%on(event%switch) .eqv. event%to == turn_on
+         end associate
+         if (self%without(i) .or. .not. before) cycle
          self%side(i) = side_of(self%from%force(i))
          if (abs(self%from%force(i)) <= law_doubt(system%events(i), system%model%length, self%from, i, few)) &
             & self%side(i) = side_of(self%from%slope(i))
       end do
-   end subroutine start_search
+   end subroutine choose_events
 
    !> Side of a value: 1, -1, or 0 for zero.
    pure integer function side_of(value)
@@ -124,9 +145,18 @@ contains
       !> Not behind the end of the step
       real(wp), intent(in) :: last
       type(event_crossing_type), intent(out) :: crossing
+      integer :: i
       self%looks = 0
       self%h = last - self%t
-      if (.not. last > self%from%t) return
+      if (.not. last > self%from%t) then
+         ! No time is left: what crosses at the same instant is there
+         do i = 1, size(self%side)
+            if (self%without(i) .or. self%side(i)*self%from%force(i) >= 0.0_wp) cycle
+            crossing = event_crossing_type(.true., i, -self%side(i), self%from%t)
+            return
+         end do
+         return
+      end if
       call look(self, system, work, integrator, last, self%to)
       call search(self, system, work, integrator, self%from, self%to, 1, crossing)
    end subroutine find_first
@@ -199,7 +229,7 @@ contains
       crossed = 0
       open = 0
       do i = 1, size(self%side)
-         if (self%side(i) == 0) cycle
+         if (self%side(i) == 0 .or. self%without(i)) cycle
          if (self%side(i)*b%force(i) < 0.0_wp) then
             crossed = i
             open = open + 1
@@ -224,8 +254,8 @@ contains
          return
       end if
       if (crossed < 0 .and. b%t - a%t <= none*self%h) then
-         ! Right behind a crossing the scalar is still zero
-         if (a%t > self%from%t .and. self%grazing == 0) then
+         ! Right behind a crossing the scalar is still zero; at the end of a step it may be on its way to one
+         if (a%t > self%from%t .and. self%grazing == 0 .and. self%side(-crossed)*b%slope(-crossed) >= 0.0_wp) then
             self%grazing = -crossed
             self%grazed = b%t
          end if
@@ -304,6 +334,7 @@ contains
       call snapshot%exchange('sides', self%side)
       do i = 1, size(self%coarse)
          call snapshot%exchange('coarse', self%coarse(i))
+         call snapshot%exchange('without', self%without(i))
       end do
    end subroutine exchange_search
 

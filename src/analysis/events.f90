@@ -2,13 +2,13 @@
 !> 5.19.
 module limber_analysis_events
    use limber_base_kinds, only: wp
-   use limber_base_error, only: error_type
+   use limber_base_error, only: error_type, raise
    use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: as_text
    use limber_analysis_event_search, only: event_search_type, event_crossing_type, start_search, begin_step, find_first, &
-      & pass_crossing, end_step
+      & pass_crossing, end_step, choose_events
    use limber_integrator_integrator, only: integrator_type
-   use limber_model_model, only: event_sample
+   use limber_model_model, only: event_sample, event_switch, turn_on, toggle
    use limber_multibody_system, only: system_type, workspace_type
    use limber_output_channel_values, only: recorder_type
    use limber_output_sample_sink, only: memory_type
@@ -18,7 +18,10 @@ module limber_analysis_events
    use limber_scene_scene, only: scene_type
    implicit none
    private
-   public :: events_type, start_events, begin_events, pass_events
+   public :: events_type, start_events, begin_events, pass_events, turned_states, count_turn
+
+   !> Turns of switches that are remembered
+   integer, parameter :: remembered = 32
 
    !> Events between the steps of a motion
    type :: events_type
@@ -31,6 +34,9 @@ module limber_analysis_events
       !> Time at which the step that is done again is to end, and the crossing there
       real(wp) :: hold = huge(1.0_wp)
       type(event_crossing_type), private :: held
+      !> Which events turn their switch at the end of the last step (events), and the times of the last turns, the latest first
+      logical, allocatable :: turning(:)
+      real(wp), private :: turns(remembered) = -huge(1.0_wp)
       !> Takes the channels at an event
       type(memory_type), private :: memory
    contains
@@ -50,6 +56,7 @@ contains
       real(wp), intent(in) :: tolerance
       call start_search(self%search, system, work, t, q, v, tolerance)
       allocate (self%counts(size(system%events)), source=0)
+      allocate (self%turning(size(system%events)), source=.false.)
       allocate (self%told(2, size(system%events)), source=.false.)
    end subroutine start_events
 
@@ -77,22 +84,27 @@ contains
       real(wp), intent(in) :: near
       !> Time up to which the last step counts; that of the event that ends the motion
       real(wp), intent(inout) :: t
-      !> How the motion ends, event_stop or event_end_step; 0: it goes on
+      !> How the motion ends, event_stop or event_end_step, or that a switch is turned, event_switch; 0: it goes on
       integer, intent(out) :: action
       !> Whether the step has to be done again, up to `hold`
       logical, intent(out) :: again
       type(outcome_type), intent(inout) :: outcome
       type(error_type), allocatable, intent(out) :: error
+      !> Part of the analysis that is no step: round-off of places is much of its speeds
+      real(wp), parameter :: brief = 1.0e-7_wp
       type(event_crossing_type) :: crossing
-      integer :: sides(size(self%counts)), counts(size(self%counts)), rows
+      real(wp) :: last
+      integer :: sides(size(self%counts)), counts(size(self%counts)), rows, does
       action = 0
       again = .false.
+      self%turning = .false.
+      last = t
       sides = self%search%side
       counts = self%counts
       rows = outcome%events%count
       do
-         call find_first(self%search, scene%system, scene%work, integrator, t, crossing)
-         if (.not. crossing%found .and. t >= self%hold - near) then
+         call find_first(self%search, scene%system, scene%work, integrator, last, crossing)
+         if (.not. crossing%found .and. action == 0 .and. t >= self%hold - near) then
             ! By round-off, or the error of its output, a step may end right before the crossing at which it is held
             crossing = self%held
             crossing%t = t
@@ -105,10 +117,13 @@ contains
                cycle
             end if
             self%counts(crossing%event) = self%counts(crossing%event) + 1
-            if (event%action /= event_sample .and. self%counts(crossing%event) == event%number) action = event%action
-            if (action > 0 .and. integrator%ends_on_samples .and. crossing%t < t - near) then
+            does = 0
+            if (event%action /= event_sample .and. self%counts(crossing%event) == event%number) does = event%action
+            if (event%action == event_switch .and. self%counts(crossing%event) > event%number) does = event_switch
+            ! Right behind the start of a step its output is exact, and a step that ends there is not
+            if (does > 0 .and. integrator%ends_on_samples .and. crossing%t < t - near .and. &
+               & crossing%t > self%search%t + brief*(scene%system%model%dynamics%end - scene%system%model%dynamics%start)) then
                again = .true.
-               action = 0
                self%hold = crossing%t
                self%held = crossing
                self%search%side = sides
@@ -119,15 +134,57 @@ contains
          end associate
          call note(self, scene, integrator, recorder, sample, crossing, outcome, error)
          if (allocated(error)) return
-         if (action > 0) then
+         if (does > 0) then
             t = crossing%t
-            return
+            action = does
+            if (does /= event_switch) return
+            ! What crosses at this instant turns its switch too
+            self%turning(crossing%event) = .true.
+            if (count(self%turning) == 1) last = min(last, t + near)
          end if
          call pass_crossing(self%search, scene%system, scene%work, integrator, crossing)
       end do
+      if (action == event_switch) return
       call end_step(self%search)
       call tell(self, scene%system, outcome)
    end subroutine pass_events
+
+   !> States of all switches behind the events that turn some (switches): whether each is on.
+   pure function turned_states(self, system) result(on)
+      type(events_type), intent(in) :: self
+      type(system_type), intent(in) :: system
+      logical :: on(size(system%on))
+      integer :: i
+      on = system%on
+      do i = 1, size(self%turning)
+         if (.not. self%turning(i)) cycle
+         associate (event => system%model%events(i))
+            if (event%to == toggle) then
+               on(event%switch) = .not. on(event%switch)
+            else
+               on(event%switch) = event%to == turn_on
+            end if
+         end associate
+      end do
+   end function turned_states
+
+   !> Counts turns of switches, at a state that `begin_events` has taken. An error where they come ever faster.
+   subroutine count_turn(self, system, t, error)
+      type(events_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      real(wp), intent(in) :: t
+      type(error_type), allocatable, intent(out) :: error
+      !> Part of the analysis within which so many turns are no motion that could be followed
+      real(wp), parameter :: at_once = 1.0e-7_wp
+      call choose_events(self%search, system)
+      self%turns = [t, self%turns(:remembered - 1)]
+      associate (dynamics => system%model%dynamics, event => system%model%events(findloc(self%turning, .true., dim=1)))
+         if (t - self%turns(remembered) <= at_once*(dynamics%end - dynamics%start)) call raise(error, "switch '"// &
+            & system%model%switches(event%switch)%name//"' is turned again and again at t = "//as_text(t, 8)//', last by event '// &
+            & "'"//event%name//"': "//as_text(remembered)//' turns within '//as_text(t - self%turns(remembered), 2)//' '// &
+            & system%model%units%time//'; let it be turned on and off at different values')
+      end associate
+   end subroutine count_turn
 
    !> Notes an event with the channels there.
    subroutine note(self, scene, integrator, recorder, sample, crossing, outcome, error)
@@ -184,7 +241,7 @@ contains
       class(events_type), intent(inout) :: self
       type(snapshot_type), intent(inout) :: snapshot
       integer :: i, k
-      ! Not saved: memory
+      ! Not saved: memory, turning
       call self%search%exchange(snapshot)
       call snapshot%exchange('event_counts', self%counts)
       do i = 1, size(self%told, 2)
@@ -192,6 +249,7 @@ contains
             call snapshot%exchange('told', self%told(k, i))
          end do
       end do
+      call snapshot%exchange('turns', self%turns)
       call snapshot%exchange('full', self%full)
       call snapshot%exchange('event_hold', self%hold)
       call snapshot%exchange('held_event', self%held%event)

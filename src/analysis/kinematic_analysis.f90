@@ -335,6 +335,7 @@ contains
       associate (system => scene%system, work => scene%work, joints => size(scene%system%model%joints))
          do i = 1, size(motion%peak)
             associate (item => system%constraints(joints + i)%item)
+               if (item%rows == 0) cycle
                call item%rate(work%kinematics, work%gamma(item%first:item%first + item%rows - 1))
                power = -dot_product(work%lambda(item%first:item%first + item%rows - 1), &
                   & work%gamma(item%first:item%first + item%rows - 1))

@@ -147,7 +147,10 @@ contains
       allocate (found(channels + drivers))
       found(:channels) = values(:channels)
       do i = 1, drivers
-         found(channels + i) = -lambda(scene%system%constraints(size(scene%system%model%joints) + i)%item%first)
+         found(channels + i) = 0.0_wp
+         associate (item => scene%system%constraints(size(scene%system%model%joints) + i)%item)
+            if (item%rows > 0) found(channels + i) = -lambda(item%first)
+         end associate
       end do
    end function present_values
 

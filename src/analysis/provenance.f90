@@ -322,12 +322,33 @@ contains
                & 'which event, counted from 1 in the order of names', error)
             if (.not. allocated(error)) call history%put_integer('/events/direction', met%directions(), &
                & 'crossing upwards 1, downwards -1', error)
+            if (size(model%switches) > 0) call put_turns()
             do i = 1, size(model%channels)
                if (.not. allocated(error)) call history%put_real('/events/channels/'//model%channels(i)%name, met%channel(i), &
                   & model%channels(i)%units, model%channels(i)%long_name, error)
             end do
          end associate
       end subroutine put_events
+
+      !> Names of switches, and what each event has done to one.
+      subroutine put_turns()
+         character(:), allocatable :: names
+         integer :: i
+         associate (model => scene%system%model, met => outcome%events)
+            names = model%switches(1)%name
+            do i = 2, size(model%switches)
+               names = names//newline//model%switches(i)%name
+            end do
+            if (.not. allocated(error)) call history%put_text('/events/switches', names, error)
+            if (.not. allocated(error)) call history%put_integer('/events/switch', model%events(met%indices())%switch, &
+               & 'which switch it may turn, counted from 1 in the order of switches; 0: none', error)
+            if (.not. allocated(error)) call history%put_integer('/events/turned', met%turns(), &
+               & 'switch turned on 1, off -1, not turned 0', error)
+            if (.not. allocated(error)) call history%put_real('/events/energy', met%energies(), &
+               & unit_text([2, -2, 1], model%units), &
+               & 'change of the energy by the turn of the switch', error)
+         end associate
+      end subroutine put_turns
 
       subroutine put_counts()
          if (any(scene%system%model%steps%kind == step_dynamics)) then

@@ -3,9 +3,11 @@ module limber_elements_event
    use limber_deck_content, only: deck_type, block_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_schema, only: keyword_type, option_spec_type, field_spec_type, word_spec_type, keyword_rows_type, many, needed, &
-      & kind_name, kind_real, kind_counting, kind_word, kind_law, form_fields
+      & kind_name, kind_reference, kind_real, kind_counting, kind_word, kind_law, form_fields
    use limber_model_element, only: element_type
-   use limber_model_model, only: model_type, event_type, event_sample, event_stop, event_end_step
+   use limber_model_switches, only: find_switch
+   use limber_model_model, only: model_type, event_type, event_sample, event_stop, event_end_step, event_switch, &
+      & turn_on, turn_off, toggle
    implicit none
    private
    public :: event_element_type, event_element
@@ -18,9 +20,13 @@ module limber_elements_event
       & option_spec_type('EVENT', 'NAME', kind_name, 'events', '', needed, 'name of the event'), &
       & option_spec_type('EVENT', 'DIRECTION', kind_word, 'UP|DOWN|BOTH', '', 'BOTH', &
       &    'crossings that count: from below zero to above, from above to below, or both'), &
-      & option_spec_type('EVENT', 'ACTION', kind_word, 'SAMPLE|STOP|END STEP', '', 'SAMPLE', 'what happens there'), &
+      & option_spec_type('EVENT', 'ACTION', kind_word, 'SAMPLE|STOP|END STEP|SWITCH', '', 'SAMPLE', &
+      &    'what happens there'), &
+      & option_spec_type('EVENT', 'SWITCH', kind_reference, 'SWITCH', '', '', 'SWITCH: the switch that it turns'), &
+      & option_spec_type('EVENT', 'TO', kind_word, 'ON|OFF|TOGGLE', '', 'ON', &
+      &    'SWITCH: the new state; no crossing counts while the switch is in that state; TOGGLE: the other state'), &
       & option_spec_type('EVENT', 'NUMBER', kind_counting, '', '', '1', &
-      &    'STOP, END STEP: the crossing at which it happens, among those that count; counted anew in each *DYNAMICS'), &
+      &    'crossing that acts, of those that count, anew in each *DYNAMICS; SWITCH: that one and all behind it'), &
       & option_spec_type('EVENT', 'AFTER', kind_real, '', 's', '', 'time before which no crossing counts; default: all count')]
    !> Fields of its data lines
    type(field_spec_type), parameter :: fields(*) = [ &
@@ -30,6 +36,8 @@ module limber_elements_event
    type(word_spec_type), parameter :: words(*) = [ &
       & word_spec_type('EVENT', 'SAMPLE', 'the channels are noted at every crossing; the motion goes on'), &
       & word_spec_type('EVENT', 'STOP', 'the run ends there: the last sample is at the event, and no analysis follows'), &
+      & word_spec_type('EVENT', 'SWITCH', 'a switch is turned: the motion goes on with the loads, joints and drivers that act ' &
+      &    //'then; velocities jump as by a plastic impact where a joint closes'), &
       & word_spec_type('EVENT', 'END STEP', 'the *DYNAMICS ends there; the next analysis begins with that state')]
    !> An example, as it stands in a deck of the tests
    character(*), parameter :: example(*) = [character(110) :: &
@@ -46,6 +54,7 @@ contains
    type(event_element_type) function event_element() result(element)
       element%rows = keyword_rows_type(keyword, options, fields, words, example)
       element%round = 2
+      element%switchable = .false.
    end function event_element
 
    !> Adds an event. The quantities of its scalar are found when all bodies, joints and springs are there.
@@ -71,12 +80,37 @@ contains
          select case (block%word('ACTION'))
          case ('STOP'); event%action = event_stop
          case ('END STEP'); event%action = event_end_step
+         case ('SWITCH'); event%action = event_switch
          case default; event%action = event_sample
          end select
+         call read_switch(block, model, event, diagnostics)
          event%number = block%integer('NUMBER')
          if (block%has('AFTER')) event%after = block%real('AFTER')
       end associate
       model%events = [model%events, event]
    end subroutine read
+
+   !> The switch of an event, and what happens to it.
+   subroutine read_switch(block, model, event, diagnostics)
+      type(block_type), intent(in) :: block
+      type(model_type), intent(in) :: model
+      type(event_type), intent(inout) :: event
+      type(diagnostics_type), intent(inout) :: diagnostics
+      if (event%action /= event_switch) then
+         if (block%has('SWITCH')) call diagnostics%add(block%origin_of('SWITCH'), "event '"//event%name// &
+            & "' names a switch and does not turn it", 'add ACTION=SWITCH, or remove SWITCH')
+         return
+      end if
+      if (.not. block%has('SWITCH')) then
+         call diagnostics%add(block%origin_of('ACTION'), "event '"//event%name//"' turns no switch", 'add SWITCH=')
+         return
+      end if
+      event%switch = find_switch(model, block%name('SWITCH'))
+      select case (block%word('TO'))
+      case ('OFF'); event%to = turn_off
+      case ('TOGGLE'); event%to = toggle
+      case default; event%to = turn_on
+      end select
+   end subroutine read_switch
 
 end module limber_elements_event

@@ -22,7 +22,9 @@ submodule (limber_deck_keywords) limber_elements_registration
    use limber_elements_distributed_load, only: distributed_load_element
    use limber_elements_friction, only: friction_element
    use limber_elements_stop, only: stop_element
+   use limber_elements_switch, only: switch_element, switch_options
    use limber_elements_event, only: event_element
+   use limber_deck_schema, only: keyword_rows_type
    use limber_model_element, only: element_type, add_element
    use limber_model_joint_kind, only: add_joint_kind
    implicit none
@@ -51,14 +53,18 @@ contains
       call register(distributed_load_element())
       call register(friction_element())
       call register(stop_element())
+      call register(switch_element())
       call register(event_element())
    end subroutine register_elements
 
    !> Adds an element to the list, and its rows to the keyword table.
    subroutine register(element)
       class(element_type), intent(in) :: element
+      type(keyword_rows_type) :: rows
       call add_element(element)
-      call add_rows(element%rows)
+      rows = element%rows
+      if (element%switchable) rows%options = [rows%options, switch_options(rows%keyword%name)]
+      call add_rows(rows)
    end subroutine register
 
 end submodule limber_elements_registration

@@ -123,9 +123,11 @@ contains
       class(work_type), intent(in) :: self
       !> Energy of the motion; what goes through in the step
       real(wp), intent(in) :: energy, step
+      real(wp) :: most
       scale_of = self%throughput + step
-      if (self%asked) scale_of = max(min(scale_of, (few*(self%largest + step))**2/max(scale_of, tiny(step))), &
-         & round_off*max(step, self%passing))
+      most = few*(self%largest + step)
+      if (self%asked .and. most < scale_of) scale_of = most**2/scale_of
+      if (self%asked) scale_of = max(scale_of, round_off*max(step, self%passing))
       scale_of = max(scale_of, merge(floor_asked, 1.0_wp, self%asked)*energy, tiny(energy))
    end function scale_of
 

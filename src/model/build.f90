@@ -25,6 +25,7 @@ module limber_model_build
    use limber_model_run_scalars, only: add_scalars
    use limber_model_model, only: model_type, body_flexible, ground
    use limber_model_short_beams, only: warn_of_short
+   use limber_model_switches, only: set_switch
    use limber_model_beam_segments, only: pieces_of
    use limber_model_force_sections, only: add_recoveries
    implicit none
@@ -63,7 +64,7 @@ contains
       allocate (model%bodies(0), model%wholes(0), model%points(0), model%joints(0), model%drivers(0), &
          & model%channels(0))
       allocate (model%load_parts(0), model%loads(0), model%assembly%deflections(0))
-      allocate (model%scalars(0), model%spreads(0), model%events(0))
+      allocate (model%scalars(0), model%spreads(0), model%events(0), model%switches(0))
       call read_labels(deck, model)
       call add_point(model, 'ground.origin', ground, [0.0_wp, 0.0_wp])
       do i = 1, size(deck%blocks)
@@ -89,7 +90,7 @@ contains
       end do
       call add_analyses(deck, model, diagnostics)
       model%length = scene_length(model)
-      do round = 1, 2
+      do round = 0, 2
          do i = 1, size(deck%blocks)
             if (diagnostics%count >= max_errors) return
             if (deck%blocks(i)%broken) cycle
@@ -124,14 +125,19 @@ contains
    !> Reads a block of the assembly, of damping, or of a joint, driver or load, in its round.
    subroutine read_block(deck, index, round, model, diagnostics)
       type(deck_type), intent(in) :: deck
-      !> Index of the block; 1: behind all bodies, 2: behind joints and springs too
+      !> Index of the block; 0: before all others, 1: behind all bodies, 2: behind joints and springs too
       integer, intent(in) :: index, round
       type(model_type), intent(inout) :: model
       type(diagnostics_type), intent(inout) :: diagnostics
-      integer :: element
+      integer :: element, joints, drivers, parts
       element = find_element(deck%blocks(index)%keyword)
       if (element > 0) then
-         if (elements(element)%item%round == round) call elements(element)%item%read(deck, index, model, diagnostics)
+         if (elements(element)%item%round /= round) return
+         joints = model%counts%joints
+         drivers = size(model%drivers)
+         parts = size(model%load_parts)
+         call elements(element)%item%read(deck, index, model, diagnostics)
+         if (elements(element)%item%switchable) call set_switch(deck%blocks(index), joints, drivers, parts, model, diagnostics)
       else if (round == 1 .and. deck%blocks(index)%keyword == 'ASSEMBLY') then
          call read_assembly(deck%blocks(index), model, diagnostics)
       else if (round == 1 .and. deck%blocks(index)%keyword == 'DAMPING') then

@@ -16,8 +16,10 @@ module limber_model_element
    type, abstract :: element_type
       !> Its rows of the keyword table: keyword, options, fields, words and example
       type(keyword_rows_type) :: rows
-      !> Round of the builder in which its blocks are read: 1 behind all bodies; 2 behind joints and springs too
+      !> Round of the builder in which its blocks are read: 0 first; 1 behind all bodies; 2 behind joints and springs too
       integer :: round = 1
+      !> Whether its blocks act, so that they may ask for a switch
+      logical :: switchable = .true.
       !> Whether its blocks join the two points of their data line
       logical :: joins = .false.
    contains

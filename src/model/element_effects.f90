@@ -2,7 +2,7 @@
 !> doc/theory, eq. (2.49).
 module limber_model_element_effects
    use limber_base_kinds, only: wp
-   use limber_deck_content, only: deck_type
+   use limber_deck_content, only: deck_type, block_type
    use limber_model_element, only: elements, find_element
    use limber_model_held_ends, only: hold_type
    use limber_model_points_of_action, only: acting_type, body_of, point_of, has_pair
@@ -117,7 +117,7 @@ contains
       integer :: i, element
       allocate (holds(0))
       do i = 1, size(deck%blocks)
-         element = find_element(deck%blocks(i)%keyword)
+         element = lasting_element(deck%blocks(i))
          if (element > 0) call elements(element)%item%hold(deck, deck%blocks(i), body, holds)
       end do
       ! If nothing else supports the body, the hanging bodies serve as its supports
@@ -133,6 +133,16 @@ contains
       end if
    end subroutine holds_of
 
+   !> Index of the element of a block that acts all the time; 0 if it asks for a switch, or is none: shapes of a body are not those
+   !> of a support that a switch takes away.
+   pure integer function lasting_element(block) result(element)
+      type(block_type), intent(in) :: block
+      element = find_element(block%keyword)
+      if (element == 0) return
+      if (.not. elements(element)%item%switchable) return
+      if (block%has('ACTIVE') .or. block%has('INACTIVE')) element = 0
+   end function lasting_element
+
    !> Whether a body hangs on another one alone: joined to it only, by one joint, without a driver.
    logical function is_alone(deck, name, body)
       type(deck_type), intent(in) :: deck
@@ -143,7 +153,7 @@ contains
       joints = 0
       is_alone = .false.
       do i = 1, size(deck%blocks)
-         element = find_element(deck%blocks(i)%keyword)
+         element = lasting_element(deck%blocks(i))
          if (element == 0) cycle
          associate (block => deck%blocks(i), kind => elements(element)%item)
             if (kind%drives(block, name)) return

@@ -4,7 +4,7 @@ module limber_model_event_checks
    use limber_deck_content, only: deck_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_model_analyses, only: single_dynamics
-   use limber_model_model, only: model_type, event_sample, event_end_step, step_dynamics
+   use limber_model_model, only: model_type, event_sample, event_end_step, event_switch, step_dynamics
    implicit none
    private
    public :: check_events
@@ -28,6 +28,10 @@ contains
             if (.not. any(model%steps%kind == step_dynamics)) then
                call diagnostics%add(origin, "event '"//event%name//"' cannot be met: the deck has no *DYNAMICS", &
                   & 'events are those of a motion in time')
+            else if (event%action == event_switch .and. (model%accuracy%estimate .or. model%accuracy%target > 0.0_wp)) then
+               call diagnostics%add(deck%blocks(block)%origin_of('ACTION'), "event '"//event%name// &
+                  & "' turns a switch in a run whose errors are to be estimated: runs that turn it at different times"// &
+                  & ' cannot be compared between them', 'remove *ACCURACY and compare with a run at a tenth of TOLERANCE')
             else if (event%action /= event_sample .and. (model%accuracy%estimate .or. model%accuracy%target > 0.0_wp)) then
                call diagnostics%add(deck%blocks(block)%origin_of('ACTION'), "event '"//event%name// &
                   & "' ends a run whose errors are to be estimated: runs that end at different times cannot be compared", &

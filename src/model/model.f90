@@ -17,7 +17,7 @@ module limber_model_model
    private
    public :: model_type, body_type, whole_type, point_type, joint_type, function_term_type, term_type, driver_type
    public :: deflection_type
-   public :: load_part_type, distributed_load_type, named_load_type, scalar_type, event_type
+   public :: load_part_type, distributed_load_type, named_load_type, scalar_type, event_type, switch_type
    public :: dynamics_type, analysis_step_type, channel_type, quantity_type, dimension_type, units_type
 
    !> Kinds of bodies: a point mass has a position only, other bodies also have a direction
@@ -46,8 +46,10 @@ module limber_model_model
    integer, parameter, public :: leave_unstable = 1, stay_unstable = 2, stop_unstable = 3
    !> Initial velocities of a dynamic analysis: from the end of the analysis before, zero, from the deck
    integer, parameter, public :: velocities_kept = 1, velocities_none = 2, velocities_of_deck = 3
-   !> Actions of an event: it is noted; it ends the run, or the analysis
-   integer, parameter, public :: event_sample = 1, event_stop = 2, event_end_step = 3
+   !> Actions of an event: it is noted; it ends the run, or the analysis; it turns a switch
+   integer, parameter, public :: event_sample = 1, event_stop = 2, event_end_step = 3, event_switch = 4
+   !> What an event does to a switch
+   integer, parameter, public :: turn_on = 1, turn_off = 2, toggle = 3
    !> Index of the ground, in place of a body
    integer, parameter, public :: ground = 0
 
@@ -255,6 +257,8 @@ module limber_model_model
       type(term_type), allocatable :: terms(:)
       logical :: has_law = .false.
       type(expression_type) :: law
+      !> Index of the switch while which is on it has equations; negative: while which is off; 0: always
+      integer :: switch = 0
    contains
       procedure :: is_hinge, is_weld, is_coupler
    end type joint_type
@@ -276,6 +280,8 @@ module limber_model_model
       logical :: has_initial = .false.
       !> Integrals of the law, for levels 1 and 2
       type(integral_type) :: integral
+      !> As of a joint
+      integer :: switch = 0
    end type driver_type
 
    !> A part of a load: force or torque along a scalar function s of the motion, -k (s - origin) - c s' plus the law times a factor
@@ -292,6 +298,8 @@ module limber_model_model
       logical :: driven = .false.
       type(expression_type) :: law
       type(quantity_type), allocatable :: quantities(:)
+      !> As of a joint
+      integer :: switch = 0
    contains
       procedure :: is_of_time, is_constant
    end type load_part_type
@@ -345,9 +353,18 @@ module limber_model_model
       integer :: direction = 0
       !> Time before which none counts
       real(wp) :: after = -huge(1.0_wp)
-      !> What happens: event_sample, ...; the crossing at which it does, among those that count
+      !> What happens: event_sample, ...; the crossing at which it does, among those that count; of event_switch the first one
       integer :: action = event_sample, number = 1
+      !> Index of the switch that it turns, 0: none; turn_on, turn_off or toggle
+      integer :: switch = 0, to = turn_on
    end type event_type
+
+   !> A switch: loads, joints and drivers act while it is on, or while it is off
+   type :: switch_type
+      character(:), allocatable :: name
+      !> Whether it is on at the start
+      logical :: on = .true.
+   end type switch_type
 
    !> Options of an analysis in time, mainly of a dynamic one
    type :: dynamics_type
@@ -460,6 +477,7 @@ module limber_model_model
       type(channel_type), allocatable :: channels(:)
       type(scalar_type), allocatable :: scalars(:)
       type(event_type), allocatable :: events(:)
+      type(switch_type), allocatable :: switches(:)
       !> True for motion records: samples of the coordinates of all bodies, for drawings
       logical :: motion = .false.
       type(assembly_choice_type) :: assembly

@@ -9,6 +9,7 @@ module limber_multibody_assembly
    use limber_deck_operations, only: jet_type
    use limber_model_driver_laws, only: driven_motion
    use limber_model_model, only: driver_angle, driver_joint_angle, ground
+   use limber_model_switches, only: acts
    use limber_multibody_plane_vectors, only: turn, cross
    use limber_multibody_assembly_newton, only: close_positions, close_velocities, approach, move, change_between
    use limber_multibody_constraint_matrix, only: constraint_matrix_type, new_constraint_matrix, hold_columns, given_columns
@@ -215,7 +216,7 @@ contains
          end do
       end if
       do i = 1, size(system%model%drivers)
-         if (system%model%drivers(i)%kind /= driver_angle) cycle
+         if (system%model%drivers(i)%kind /= driver_angle .or. .not. acts(system%model%drivers(i)%switch, system%on)) cycle
          theta = driven_motion(system%model%drivers(i), t)
          first = system%layout%q(system%model%drivers(i)%body) + 2
          q(first:first + 1) = [cos(theta%value), sin(theta%value)]
@@ -235,14 +236,15 @@ contains
       integer :: i, from, to, bodies(2)
       driven = .false.
       do i = 1, size(system%model%drivers)
-         if (system%model%drivers(i)%kind == driver_angle) driven(system%model%drivers(i)%body) = .true.
+         if (system%model%drivers(i)%kind == driver_angle .and. acts(system%model%drivers(i)%switch, system%on)) &
+            & driven(system%model%drivers(i)%body) = .true.
       end do
       more = any(driven)
       do while (more)
          more = .false.
          do i = 1, size(system%model%joints)
             associate (joint => system%model%joints(i))
-               if (.not. (joint%has_turn .and. joint%keeps_angle)) cycle
+               if (.not. (joint%has_turn .and. joint%keeps_angle .and. acts(joint%switch, system%on))) cycle
                bodies = system%model%points(joint%points)%body
                if (any(bodies == ground) .or. (driven(bodies(1)) .eqv. driven(bodies(2)))) cycle
                if (.not. all(system%layout%framed(bodies))) cycle
@@ -325,6 +327,7 @@ contains
       integer :: i
       rate = 0.0_wp
       do i = 1, size(system%model%drivers)
+         if (.not. acts(system%model%drivers(i)%switch, system%on)) cycle
          theta = driven_motion(system%model%drivers(i), t)
          unit = system%model%length
          if (any(system%model%drivers(i)%kind == [driver_angle, driver_joint_angle])) unit = 1.0_wp

@@ -104,6 +104,7 @@ contains
       end do
       if (.not. joint%zero) sums%offset(:sums%rows) = guess(:sums%rows)
       if (joint%has_length) sums%offset(1) = joint%length
+      sums%keeps = .not. (joint%zero .or. joint%has_length)
       allocate (item, source=sums)
    end subroutine add_sums
 

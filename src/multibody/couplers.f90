@@ -68,6 +68,7 @@ contains
       select type (part)
       type is (linear_type)
          part%offset(1) = sum
+         part%keeps = .true.
       class is (beam_path_type)
          part%offset = part%offset + sum
       end select

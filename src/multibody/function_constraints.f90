@@ -48,6 +48,8 @@ module limber_multibody_function_constraints
    !> f = coefficients z - offset: joints whose scalar functions say all
    type, extends(function_constraint_type) :: linear_type
       real(wp) :: coefficients(most_rows, most_functions) = 0.0_wp, offset(most_rows) = 0.0_wp
+      !> Whether the offset is the value that the sum has where it begins to act
+      logical :: keeps = .false.
    contains
       procedure :: evaluate => linear_evaluate
    end type linear_type

@@ -145,7 +145,8 @@ contains
          associate (angle => kinematics%angles(m), to => kinematics%markers(angles(m)%markers(2)))
             if (angle%markers(1) > 0 .or. to%body == ground) cycle
             angle%own = atan2(to%p0(2), to%p0(1))
-            angle%drive = findloc(model%drivers%kind == driver_angle .and. model%drivers%body == to%body, .true., dim=1)
+            angle%drive = findloc(model%drivers%kind == driver_angle .and. model%drivers%body == to%body &
+               & .and. model%drivers%switch == 0, .true., dim=1)
          end associate
       end do
    end function new_kinematics

@@ -6,6 +6,7 @@ module limber_multibody_marker_registry
    use limber_model_driver_laws, only: driven_motion
    use limber_model_lists, only: append
    use limber_model_model, only: model_type, driver_type, point_type, driver_angle, ground
+   use limber_model_switches, only: first_states, acts
    use limber_multibody_plane_vectors, only: along
    use limber_multibody_kinematics, only: angle_type
    use limber_multibody_layout, only: layout_type, new_layout
@@ -216,7 +217,7 @@ contains
       angle = system%model%bodies(body)%angle
       do i = 1, size(system%model%drivers)
          associate (driver => system%model%drivers(i))
-            if (driver%kind == driver_angle .and. driver%body == body) &
+            if (driver%kind == driver_angle .and. driver%body == body .and. acts(driver%switch, first_states(system%model))) &
                & angle = driven_at(driver, system%model%dynamics%start)
          end associate
       end do

@@ -46,7 +46,7 @@ contains
          reached(i) = .true.
       end do
       call reach_on()
-      self%loops = size(constraints) - count(self%side > 0)
+      self%loops = count([(constraints(i)%item%rows > 0, i=1, size(constraints))]) - count(self%side > 0)
 
    contains
 
@@ -68,6 +68,7 @@ contains
       integer :: c, s, body
       allocate (self%first(0:bodies), self%next(2*size(constraints)), source=0)
       do c = size(constraints), 1, -1
+         if (constraints(c)%item%rows == 0) cycle
          do s = 2, 1, -1
             body = constraints(c)%item%bodies(s)
             self%next(2*(c - 1) + s) = self%first(body)

@@ -5,9 +5,11 @@ module limber_multibody_system
    use limber_base_snapshot, only: snapshot_type
    use limber_beam_reduced_body, only: reduced_type
    use limber_model_model, only: model_type, ground
+   use limber_model_switches, only: first_states, acts
    use limber_multibody_beam_axis, only: centreline_type, new_centreline
    use limber_multibody_constraint, only: constraint_item_type, jacobian_type, new_jacobian
    use limber_multibody_constraint_list, only: new_joint, new_driver
+   use limber_multibody_idle_parts, only: set_constraint, set_load
    use limber_multibody_kinematics, only: kinematics_type, new_kinematics
    use limber_multibody_force_elements, only: force_element_type
    use limber_multibody_load_list, only: new_loads, new_event_scalars
@@ -18,6 +20,7 @@ module limber_multibody_system
    implicit none
    private
    public :: system_type, new_system, workspace_type, new_workspace, body_workspace_type, mark_block, block_place
+   public :: let_act, number_equations, switch_of
 
    !> The equations; constant once it is built
    type, extends(registry_type) :: system_type
@@ -47,6 +50,8 @@ module limber_multibody_system
       !> True if some constraint equations repeat others: then each may give way by `slack` times its multiplier (nc)
       logical :: redundant = .false.
       real(wp), allocatable :: slack(:)
+      !> Whether each switch of the model is on (switches)
+      logical, allocatable :: on(:)
    end type system_type
 
    !> Scratch of one body in the multiplier system
@@ -133,15 +138,14 @@ contains
       call new_event_scalars(system, events)
       call move_alloc(events, system%events)
       call end_registry(system)
+      system%powered = any([(system%constraints(i)%item%driven, i=1, size(system%constraints))])
+      system%loaded = any([(system%loads(i)%item%powered, i=1, size(system%loads))])
+      allocate (system%on, source=first_states(model))
+      ! A switch may put in energy, or take it
+      if (size(system%on) > 0) system%loaded = .true.
+      call let_act(system)
+      call number_equations(system)
       system%tree = new_tree(system, system%constraints, system%nc, model%assembly%elimination)
-      system%powered = .false.
-      do i = 1, size(system%constraints)
-         system%powered = system%powered .or. system%constraints(i)%item%driven
-      end do
-      system%loaded = .false.
-      do i = 1, size(system%loads)
-         system%loaded = system%loaded .or. system%loads(i)%item%powered
-      end do
       system%powered = system%powered .or. system%loaded
       do i = 1, size(model%bodies)
          associate (body => model%bodies(i)%reduced)
@@ -169,20 +173,62 @@ contains
       allocate (system%constraints(size(whole) + size(parts)))
       do i = 1, size(whole)
          call move_alloc(whole(i)%item, system%constraints(i)%item)
-         system%constraints(i)%item%first = system%nc + 1
-         system%nc = system%nc + system%constraints(i)%item%rows
       end do
       system%parted = size(parts) > 0
       do i = 1, size(parts)
          call move_alloc(parts(i)%item, system%constraints(size(whole) + i)%item)
          associate (part => system%constraints(size(whole) + i)%item, &
             & item => system%constraints(system%constraints(size(whole) + i)%item%part_of)%item)
-            part%first = item%first
             part%scale = item%scale
             part%label = item%label
          end associate
       end do
    end subroutine new_constraints
+
+   !> Lets joints, drivers and loads act as the switches are.
+   subroutine let_act(system)
+      type(system_type), intent(inout) :: system
+      integer :: i
+      do i = 1, size(system%constraints)
+         call set_constraint(system%constraints(i)%item, acts(switch_of(system, i), system%on))
+      end do
+      do i = 1, size(system%loads)
+         call set_load(system%loads(i)%item, acts(system%model%load_parts(i)%switch, system%on))
+      end do
+   end subroutine let_act
+
+   !> Switch that a constraint asks for, as of a joint.
+   pure integer function switch_of(system, constraint) result(switch)
+      type(system_type), intent(in) :: system
+      !> Its index
+      integer, intent(in) :: constraint
+      integer :: number, joints
+      number = constraint
+      if (system%constraints(constraint)%item%part_of > 0) number = system%constraints(constraint)%item%part_of
+      joints = size(system%model%joints)
+      if (number <= joints) then
+         switch = system%model%joints(number)%switch
+      else
+         switch = system%model%drivers(number - joints)%switch
+      end if
+   end function switch_of
+
+   !> Numbers the equations of all constraints that act.
+   subroutine number_equations(system)
+      type(system_type), intent(inout) :: system
+      integer :: i
+      system%nc = 0
+      do i = 1, size(system%constraints)
+         associate (item => system%constraints(i)%item)
+            item%first = system%nc + 1
+            if (item%part_of > 0) then
+               item%first = system%constraints(item%part_of)%item%first
+            else
+               system%nc = system%nc + item%rows
+            end if
+         end associate
+      end do
+   end subroutine number_equations
 
    !> Room for everything that changes.
    subroutine new_workspace(system, work)
@@ -206,7 +252,7 @@ contains
             do side = 1, 2
                body = item%bodies(side)
                work%jacobians(side, i) = new_jacobian(item%rows, merge(0, system%layout%n(max(1, body)), body == ground))
-               if (body == ground .or. system%tree%row(item%first) == 0) cycle
+               if (body == ground .or. .not. is_solved(system, i)) cycle
                old = size(work%bodies(body)%rows)
                work%bodies(body)%rows = [work%bodies(body)%rows, rows_of(system, i)]
                work%bodies(body)%sources = reshape([work%bodies(body)%sources, ([i, side, row], row=1, item%rows)], &
@@ -248,6 +294,16 @@ contains
       list = system%tree%columns(:size(list), body)
    end function columns_of
 
+   !> Whether a constraint has multipliers among the unknowns.
+   pure logical function is_solved(system, constraint)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: constraint
+      is_solved = .false.
+      associate (item => system%constraints(constraint)%item)
+         if (item%rows > 0) is_solved = system%tree%row(item%first) > 0
+      end associate
+   end function is_solved
+
    !> Places of a constraint's multipliers among the unknowns.
    pure function rows_of(system, constraint) result(list)
       type(system_type), intent(in) :: system
@@ -270,7 +326,7 @@ contains
       do i = 1, size(system%constraints)
          do side = 1, 2
             body = system%constraints(i)%item%bodies(side)
-            if (body == ground .or. system%tree%row(system%constraints(i)%item%first) == 0) cycle
+            if (body == ground .or. .not. is_solved(system, i)) cycle
             call mark_block(work%matrix, rows_of(system, i), columns_of(system, body))
             call mark_block(work%matrix, columns_of(system, body), rows_of(system, i))
          end do

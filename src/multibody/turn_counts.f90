@@ -6,6 +6,7 @@ module limber_multibody_turn_counts
    use limber_deck_operations, only: jet_type
    use limber_model_driver_laws, only: driven_motion
    use limber_model_model, only: driver_angle, driver_joint_angle, coordinate_angle, coordinate_joint_angle, ground
+   use limber_model_switches, only: acts
    use limber_multibody_kinematics, only: kinematics_type, place_frames
    use limber_multibody_layout, only: layout_type
    use limber_multibody_plane_vectors, only: cross
@@ -42,7 +43,7 @@ contains
          end associate
       end do
       do i = 1, size(system%model%drivers)
-         if (system%model%drivers(i)%kind /= driver_angle) cycle
+         if (system%model%drivers(i)%kind /= driver_angle .or. .not. acts(system%model%drivers(i)%switch, system%on)) cycle
          motion = driven_motion(system%model%drivers(i), t)
          angle(system%model%drivers(i)%body) = motion%value
          known(system%model%drivers(i)%body) = .true.
@@ -83,7 +84,7 @@ contains
          is_joined = .false.
          do i = 1, size(system%model%joints)
             associate (joint => system%model%joints(i))
-               if (.not. joint%keeps_angle) cycle
+               if (.not. joint%keeps_angle .or. .not. acts(joint%switch, system%on)) cycle
                is_joined = is_joined .or. any(system%model%points(joint%points)%body == body)
             end associate
          end do
@@ -143,7 +144,8 @@ contains
          ! To and fro: a chain is then passed at once, in whatever order the deck has its joints
          do i = 1, 2*joints
             k = merge(i, 2*joints + 1 - i, i <= joints)
-            if (system%model%joints(k)%keeps_angle) call pass_joint(system, left, q, is_first, k, angle, known, more)
+            if (system%model%joints(k)%keeps_angle .and. acts(system%model%joints(k)%switch, system%on)) &
+               & call pass_joint(system, left, q, is_first, k, angle, known, more)
          end do
       end do
    end subroutine spread

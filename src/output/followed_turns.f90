@@ -7,6 +7,7 @@ module limber_output_followed_turns
    use limber_deck_operations, only: jet_type
    use limber_model_driver_laws, only: driven_motion
    use limber_model_model, only: driver_angle
+   use limber_model_switches, only: acts
    use limber_multibody_plane_vectors, only: cross
    use limber_multibody_kinematics, only: kinematics_type
    use limber_multibody_system, only: system_type
@@ -48,7 +49,8 @@ contains
       do i = 1, size(system%model%drivers)
          associate (driver => system%model%drivers(i))
             if (driver%kind /= driver_angle) cycle
-            turns%drivers(driver%body) = i
+            if (driver%switch == 0) turns%drivers(driver%body) = i
+            if (.not. acts(driver%switch, system%on)) cycle
             motion = driven_motion(driver, system%model%dynamics%start)
             turns%angle(driver%body) = motion%value
          end associate

@@ -18,6 +18,7 @@ module limber_output_internal_forces
    use limber_multibody_system, only: system_type, workspace_type
    implicit none
    private
+   public :: renew_efforts
    public :: section_forces_type, new_efforts, start_effort, hold_efforts, gather_efforts, gather_exact, join_envelopes, &
       & section_forces, &
       & stresses, strength_at
@@ -70,6 +71,16 @@ contains
          end associate
       end do
    end function new_efforts
+
+   !> Takes note of joints, drivers and loads that act since a switch was turned.
+   subroutine renew_efforts(efforts, system)
+      type(section_forces_type), intent(inout) :: efforts(:)
+      type(system_type), intent(in) :: system
+      integer :: i
+      do i = 1, size(efforts)
+         if (allocated(efforts(i)%place)) efforts(i)%pulls = new_pulls(system)
+      end do
+   end subroutine renew_efforts
 
    !> What acts on one body: nothing yet.
    subroutine start_effort(effort, system, body, recovery)

@@ -212,6 +212,8 @@ contains
       integer, intent(in) :: driver
       integer :: constraint
       constraint = size(system%model%joints) + driver
+      effort = 0.0_wp
+      if (system%constraints(constraint)%item%rows == 0) return
       effort = -work%lambda(system%constraints(constraint)%item%first)
       if (system%model%drivers(driver)%kind == driver_angle) effort = effort*work%jacobians(1, constraint)%z(1, 3)
    end function driver_effort
@@ -230,7 +232,8 @@ contains
       type(workspace_type), intent(in) :: work
       !> Index of the coupler among the joints of the model
       integer, intent(in) :: joint
-      effort = -work%lambda(system%constraints(joint)%item%first)
+      effort = 0.0_wp
+      if (system%constraints(joint)%item%rows > 0) effort = -work%lambda(system%constraints(joint)%item%first)
    end function coupler_effort
 
    !> Power that a coupler puts in whose sum is given in time; none else.

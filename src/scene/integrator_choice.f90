@@ -9,6 +9,7 @@ module limber_scene_integrator_choice
    use limber_model_driver_laws, only: driven_motion
    use limber_model_model, only: dynamics_type, driver_angle, driver_joint_angle
    use limber_model_beam_segments, only: pieces_of
+   use limber_model_switches, only: acts
    use limber_multibody_plane_vectors, only: cross
    use limber_multibody_equations_of_motion, only: linearise, accelerations, accelerate
    use limber_multibody_layout, only: rates_of
@@ -194,6 +195,7 @@ contains
                & sqrt(norm2(a(first + 2:first + 3))))
          end do
          do i = 1, size(system%model%drivers)
+            if (.not. acts(system%model%drivers(i)%switch, system%on)) cycle
             do k = 0, looks
                t = dynamics%start + (dynamics%end - dynamics%start)*(real(k, wp)/looks)
                theta = driven_motion(system%model%drivers(i), t)

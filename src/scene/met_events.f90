@@ -3,23 +3,24 @@ module limber_scene_met_events
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: as_text, newline
-   use limber_model_model, only: event_type
+   use limber_model_model, only: event_type, event_switch
    implicit none
    private
    public :: met_events_type, most_rows
 
    !> Rows at most: a scalar that goes to and fro without an end must not fill the memory
    integer, parameter :: most_rows = 100000
-   !> Numbers of a row before the channels: time, index of the event, direction
-   integer, parameter :: heads = 3
+   !> Numbers of a row before the channels: time, index of the event, direction, state of the switch, change of the energy
+   integer, parameter :: heads = 5
 
    !> Rows in the order of time
    type :: met_events_type
       integer :: count = 0
-      !> Time, index of the event, direction (1 or -1), channels (3 + channels, at least count)
+      !> Time, index of the event, direction (1 or -1), the switch turned on 1, off -1, or none turned 0, and by how much the energy
+      !> changes thereby, channels (5 + channels, at least count)
       real(wp), allocatable, private :: rows(:, :)
    contains
-      procedure :: add, join, times, indices, directions, channel, report
+      procedure :: add, turn, join, times, indices, directions, turns, energies, channel, report
       procedure :: exchange => exchange_events
    end type met_events_type
 
@@ -42,9 +43,24 @@ contains
          call move_alloc(longer, self%rows)
       end if
       self%count = self%count + 1
-      self%rows(:heads, self%count) = [t, real(event, wp), real(direction, wp)]
+      self%rows(:heads, self%count) = [t, real(event, wp), real(direction, wp), 0.0_wp, 0.0_wp]
       self%rows(heads + 1:, self%count) = values
    end subroutine add
+
+   !> Notes in the last row of an event that it has turned a switch.
+   subroutine turn(self, event, on, energy)
+      class(met_events_type), intent(inout) :: self
+      !> Index of the event
+      integer, intent(in) :: event
+      !> Whether the switch is on now
+      logical, intent(in) :: on
+      !> By how much the energy of the scene has changed thereby
+      real(wp), intent(in) :: energy
+      integer :: row
+      row = findloc(nint(self%rows(2, :self%count)), event, dim=1, back=.true.)
+      ! Rows beyond the most are not noted
+      if (row > 0 .and. self%count < most_rows) self%rows(4:5, row) = [merge(1.0_wp, -1.0_wp, on), energy]
+   end subroutine turn
 
    !> Adds the rows of a later analysis.
    subroutine join(self, later)
@@ -53,6 +69,7 @@ contains
       integer :: i
       do i = 1, later%count
          call self%add(later%rows(1, i), nint(later%rows(2, i)), nint(later%rows(3, i)), later%rows(heads + 1:, i))
+         self%rows(4:5, self%count) = later%rows(4:5, i)
       end do
    end subroutine join
 
@@ -76,6 +93,20 @@ contains
       integer :: directions(self%count)
       directions = nint(self%rows(3, :self%count))
    end function directions
+
+   !> What all rows have done to a switch: 1 turned on, -1 turned off, 0 none (count).
+   pure function turns(self)
+      class(met_events_type), intent(in) :: self
+      integer :: turns(self%count)
+      turns = nint(self%rows(4, :self%count))
+   end function turns
+
+   !> By how much the energy has changed thereby (count).
+   pure function energies(self)
+      class(met_events_type), intent(in) :: self
+      real(wp) :: energies(self%count)
+      energies = self%rows(5, :self%count)
+   end function energies
 
    !> A channel in all rows (count).
    pure function channel(self, index)
@@ -106,8 +137,24 @@ contains
             if (n > 1) text = text//', and '//as_text(n - 1)//' more up to t = '// &
                & as_text(self%rows(1, findloc(index, i, dim=1, back=.true.)), 10)//' '//time_unit
          end if
+         if (n > 0 .and. events(i)%action == event_switch) text = text//told_turns(self, index == i)
       end do
    end function report
+
+   !> What turns of a switch have changed; empty if no switch was turned.
+   pure function told_turns(self, mask) result(text)
+      type(met_events_type), intent(in) :: self
+      !> The rows that are meant (count)
+      logical, intent(in) :: mask(:)
+      character(:), allocatable :: text
+      logical :: turned(size(mask))
+      text = ''
+      turned = mask .and. self%turns() /= 0
+      if (.not. any(turned)) return
+      text = ', turned a switch'
+      if (count(turned) > 1) text = text//' '//as_text(count(turned))//' times'
+      text = text//', the energy changed by '//as_text(sum(self%energies(), mask=turned), 6)
+   end function told_turns
 
    !> Saves or restores it.
    subroutine exchange_events(self, snapshot)

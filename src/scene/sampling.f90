@@ -24,6 +24,7 @@ module limber_scene_sampling
    implicit none
    private
    public :: sample_type, sample_time, record, balance_sample, look_between, check_residuals, check_energy
+   public :: forget_system
 
    !> Scratch of the sampling, allocated once, and when the next samples are
    type :: sample_type
@@ -194,6 +195,12 @@ contains
       end associate
    end subroutine balance_sample
 
+   !> Forgets what is made of the constraints and loads of a system, which are others from now on.
+   subroutine forget_system(sample)
+      type(sample_type), intent(inout) :: sample
+      if (allocated(sample%held)) deallocate (sample%held, sample%rates)
+   end subroutine forget_system
+
    !> Whether a scene has something that bends, or loads that resist places.
    pure logical function is_elastic(system)
       type(system_type), intent(in) :: system
@@ -332,7 +339,7 @@ contains
                outcome%slip(i) = slip
                outcome%slip_time(i) = t
             end if
-            if (item%rows > 1) cycle
+            if (item%rows /= 1) cycle
             do side = 1, 2
                if (item%bodies(side) == ground) cycle
                first = system%layout%q(item%bodies(side))

@@ -54,6 +54,7 @@ contains
    pure logical function starts_with_dynamics(model)
       type(model_type), intent(in) :: model
       starts_with_dynamics = .false.
+      if (.not. allocated(model%steps)) return
       if (size(model%steps) > 0) starts_with_dynamics = model%steps(1)%kind == step_dynamics
    end function starts_with_dynamics
 

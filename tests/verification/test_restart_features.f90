@@ -1,6 +1,6 @@
 !> Interrupted runs have the bits of whole ones with all that a run may remember: breaks of drivers and loads, envelopes, axial
 !> coordinates at rest, elements of K_G, redundant constraints, estimates of errors, scalars, prescribed motions, curves, motions
-!> for drawings, events.
+!> for drawings, events, switches.
 program test_restart_features
    use pieces, only: compare_pieces
    use testing, only: finish
@@ -66,6 +66,13 @@ contains
             & 'END=10, TOLERANCE=1e-5, OUTPUTS=200,'// &
             & ' INTEGRATOR='//integrators(i), '*OUTPUT', '*EVENT, NAME=side'//nl//' x(bob)'//nl// &
             & '*EVENT, NAME=sixth, NUMBER=6, ACTION=STOP'//nl//' x(bob) + 0.3'//nl//'*OUTPUT')
+      end do
+      ! Switches: a joint that opens, one that closes, one that opens again; a load that acts in the second of two analyses
+      do i = 1, size(integrators)
+         call compare_pieces('latch', results, 5, 'END=1.2, TOLERANCE=1e-9, OUTPUTS=120, INTEGRATOR=ADAMS', &
+            & 'END=0.9, TOLERANCE=1e-5, OUTPUTS=45, INTEGRATOR='//integrators(i)//nl//'*DYNAMICS, END=1.2, OUTPUTS=9, '// &
+            & 'INTEGRATOR='//integrators(i), '*OUTPUT', '** '//integrators(i)//nl//'*FORCE, NAME=wind, POINT=ball, INACTIVE='// &
+            & 'rest'//nl//' 0.5 - 0.02*vx(ball), 0'//nl//'*OUTPUT')
       end do
    end subroutine test_all
 

@@ -262,7 +262,7 @@ contains
    pure real(wp) function may_stay(tolerance)
       !> Of the integrator
       real(wp), intent(in) :: tolerance
-      real(wp), parameter :: part = 1.0e-4_wp
+      real(wp), parameter :: part = 1.0e-2_wp
       may_stay = part*tolerance
    end function may_stay
 

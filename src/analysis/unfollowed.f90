@@ -22,7 +22,7 @@ module limber_analysis_unfollowed
    !> Samples of a run at which the channels of vibrations are found; internal forces of an envelope
    integer, parameter :: looks = 4, kinds = 3
    !> Part of the largest value of a channel that may be lost; part of the largest channel of the same unit below which one is
-   !> small, and within which joints hold one at zero
+   !> small; part of the scene within which joints hold one at zero
    real(wp), parameter :: allowed = 1.0e-2_wp, nothing = 1.0e-4_wp, held = constraint_limit
    !> Their names in an envelope
    character(*), parameter :: forces(kinds) = [character(14) :: 'axial force', 'shear force', 'bending moment']
@@ -41,6 +41,9 @@ module limber_analysis_unfollowed
       integer, allocatable, private :: bodies(:)
       !> First entry of the same unit (asked)
       integer, allocatable, private :: alike(:)
+      !> Exponents of length, time and mass (3, asked), and length of the scene
+      integer, allocatable, private :: exponents(:, :)
+      real(wp), private :: length = 1.0_wp
       !> Channels of disturbed states; the run's own recorder remembers turns and envelopes
       type(recorder_type), private :: recorder
       !> Scratch: coordinates, accelerations undisturbed and disturbed (nq)
@@ -70,6 +73,8 @@ contains
          asked = size(system%model%channels) + kinds*size(self%bodies)
          allocate (self%largest(asked), self%terms(asked), self%reach(asked, system%layout%nw), source=0.0_wp)
          self%alike = first_alike(system%model, asked)
+         self%exponents = exponents_of(system%model, asked)
+         self%length = system%model%length
          associate (nq => system%layout%nq, width => sample_width(system))
             allocate (self%q(nq), self%a(nq), self%moved(nq), self%base(width), self%values(width), self%sections(kinds, n), &
                & self%others(kinds, n), source=0.0_wp)
@@ -326,13 +331,29 @@ contains
          off = dot_product(self%reach(i, :), lost)
          alike = maxval(self%largest, mask=self%alike == self%alike(i))
          ! Joints hold it, but not the disturbed states
-         if (self%largest(i) <= held*alike) cycle
+         if (self%largest(i) <= held*size_beside(self, i)) cycle
          scale = max(scale_of(self, i), nothing*alike)
          if (.not. off > share*scale) cycle
          worst = i
          share = off/max(scale, tiny(off))
       end do
    end subroutine find_worst
+
+   !> How large the scene is in the unit of an entry: its length, or the largest entries whose units differ by lengths alone, forces
+   !> beside moments and speeds beside rates of angles.
+   pure real(wp) function size_beside(self, which) result(beside)
+      type(unfollowed_type), intent(in) :: self
+      integer, intent(in) :: which
+      integer :: i
+      beside = 0.0_wp
+      associate (own => self%exponents(:, which))
+         if (all(own(2:) == 0)) beside = self%length**own(1)
+         do i = 1, size(self%largest)
+            if (all(self%exponents(2:, i) == own(2:))) beside = max(beside, self%largest(i) &
+               & *self%length**(own(1) - self%exponents(1, i)))
+         end do
+      end associate
+   end function size_beside
 
    !> What an error counts beside: the largest value, or the terms where that is next to nothing beside them, eq. (5.42).
    pure real(wp) function scale_of(self, which) result(scale)
@@ -361,6 +382,19 @@ contains
          if (i > channels + kinds) first(i) = first(i - kinds)
       end do
    end function first_alike
+
+   !> Exponents of length, time and mass in the units of channels, and of forces of envelopes (3, asked).
+   pure function exponents_of(model, asked) result(exponents)
+      type(model_type), intent(in) :: model
+      !> Channels and forces of envelopes
+      integer, intent(in) :: asked
+      integer :: exponents(3, asked)
+      integer :: i
+      do i = 1, asked
+         exponents(:, i) = [merge(2, 1, mod(i - size(model%channels), kinds) == 0), -2, 1]
+         if (i <= size(model%channels)) exponents(:, i) = model%channels(i)%dimension%exponents
+      end do
+   end function exponents_of
 
    !> The vibration that makes most of an error.
    subroutine find_vibration(system, part, body, omega)
@@ -411,7 +445,7 @@ contains
       call snapshot%keep('unfollowed_largest', self%largest)
       call snapshot%keep('unfollowed_reach', self%reach)
       call snapshot%keep('unfollowed_terms', self%terms)
-      ! Not saved: watched, bodies, alike, recorder, q, a, moved, base, values, sections, others
+      ! Not saved: watched, bodies, alike, exponents, length, recorder, q, a, moved, base, values, sections, others
    end subroutine exchange_unfollowed
 
 end module limber_analysis_unfollowed

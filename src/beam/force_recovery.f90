@@ -4,14 +4,14 @@
 module limber_beam_force_recovery
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
-   use limber_beam_element_matrices, only: bending_slope, bending_dofs
-   use limber_beam_plane_frame, only: frame_type, element_at, member_field, element_forces, own_displacements, unit_load
+   use limber_beam_element_matrices, only: bending_shape, bending_slope, bending_dofs, geometric_stiffness
+   use limber_beam_plane_frame, only: frame_type, element_at, element_forces, own_displacements, add_element_load, unit_load
    use limber_beam_frame_solver, only: solver_type, new_solver, solve_static
-   use limber_beam_geometric_stiffness, only: mean_slopes, element_ends
    use limber_beam_reduced_body, only: reduced_type
    implicit none
    private
-   public :: section_type, load_place_type, recovery_type, new_recovery, exact_recovery, all_sections, amplitudes, internal_forces
+   public :: section_type, load_place_type, recovery_type, new_recovery, exact_recovery, all_sections, amplitudes, &
+      & geometric_state, internal_forces
 
    !> A section: a place of a member, seen from the side of the member's start, or from that of its end
    type :: section_type
@@ -30,6 +30,17 @@ module limber_beam_force_recovery
       real(wp), allocatable :: at(:), part(:)
    end type load_place_type
 
+   !> Of a frame whose members bend under tension: its mesh, to find what the geometric forces of the members do to the functions
+   !> that were left out, eq. (2.24)
+   type :: frame_tension_type
+      type(frame_type) :: frame
+      type(solver_type) :: solver
+      !> Shapes of the coordinates (3, nodes, n), and their squared frequencies
+      real(wp), allocatable :: shape(:, :, :), omega2(:)
+      !> Axial force of each element for unit coordinates (elements, n) and for unit amplitudes (elements, columns)
+      real(wp), allocatable :: modal(:, :), load(:, :)
+   end type frame_tension_type
+
    !> The coefficients of all sections of a body
    type :: recovery_type
       !> Number of coordinates, and of places of loads
@@ -39,6 +50,8 @@ module limber_beam_force_recovery
       real(wp), allocatable :: modal(:, :, :), load(:, :, :)
       !> Whether the axial force is that along the deflected axis, eq. (2.30): where tension acts on the bending
       logical :: deflected = .false.
+      !> Of a frame of several members under tension; otherwise unallocated
+      type(frame_tension_type), allocatable :: tension
       !> Sections: where they are
       type(section_type), allocatable :: sections(:)
       !> Of an exact beam, whose forces follow from equilibrium; `load` has no meaning there but its size: where each place of loads
@@ -125,6 +138,10 @@ contains
             recovery%modal(:, i, j) = section_state(frame, shape(:, :, i), sections(j))
          end do
       end do
+      if (body%geometric .and. size(frame%first) > 2) then
+         allocate (recovery%tension)
+         call start_tension(recovery%tension, frame, solver, shape, body%omega2, columns)
+      end if
       allocate (push(3, size(frame%place, 2), 4 + 3*n), u(3, size(frame%place, 2)), load(3, size(frame%place, 2)))
       call inertia_fields(frame, shape, push)
       do i = 1, columns
@@ -134,10 +151,8 @@ contains
             else
                load = nodal_load(frame, places(place), part)
             end if
-            call solve_static(frame, solver, load, u)
-            do j = 1, n
-               u = u - shape(:, :, j)*(sum(shape(:, :, j)*load)/body%omega2(j))
-            end do
+            call solve_left_out(frame, solver, shape, body%omega2, load, u)
+            if (allocated(recovery%tension)) recovery%tension%load(:, i) = axial_forces(frame, u)
             do j = 1, size(sections)
                recovery%load(:, i, j) = section_state(frame, u, sections(j))
                if (inertial) then
@@ -149,6 +164,110 @@ contains
          end associate
       end do
    end subroutine new_recovery
+
+   !> Displacements that loads make at rest, without those of the coordinates.
+   subroutine solve_left_out(frame, solver, shape, omega2, load, u)
+      type(frame_type), intent(in) :: frame
+      type(solver_type), intent(in) :: solver
+      !> Shapes of the coordinates (3, nodes, n), their squared frequencies
+      real(wp), intent(in) :: shape(:, :, :), omega2(:)
+      !> Forces and couples (3, nodes)
+      real(wp), intent(in) :: load(:, :)
+      !> (3, nodes)
+      real(wp), intent(out) :: u(:, :)
+      integer :: j
+      call solve_static(frame, solver, load, u)
+      do j = 1, size(omega2)
+         u = u - shape(:, :, j)*(sum(shape(:, :, j)*load)/omega2(j))
+      end do
+   end subroutine solve_left_out
+
+   !> Axial forces of all elements (elements).
+   pure function axial_forces(frame, u) result(force)
+      type(frame_type), intent(in) :: frame
+      !> Displacements (3, nodes)
+      real(wp), intent(in) :: u(:, :)
+      real(wp) :: force(size(frame%member)), of(4)
+      integer :: e
+      do e = 1, size(force)
+         of = element_forces(frame, e, u)
+         force(e) = of(1)
+      end do
+   end function axial_forces
+
+   !> The axial forces for unit coordinates; those for unit amplitudes come.
+   subroutine start_tension(tension, frame, solver, shape, omega2, columns)
+      type(frame_tension_type), intent(out) :: tension
+      type(frame_type), intent(in) :: frame
+      type(solver_type), intent(in) :: solver
+      !> Shapes of the coordinates (3, nodes, n), their squared frequencies
+      real(wp), intent(in) :: shape(:, :, :), omega2(:)
+      !> Number of amplitudes
+      integer, intent(in) :: columns
+      integer :: j
+      tension%frame = frame
+      tension%solver = solver
+      tension%shape = shape
+      tension%omega2 = omega2
+      allocate (tension%modal(size(frame%member), size(omega2)), tension%load(size(frame%member), columns))
+      do j = 1, size(omega2)
+         tension%modal(:, j) = axial_forces(frame, shape(:, :, j))
+      end do
+   end subroutine start_tension
+
+   !> What the geometric forces of the members make at all sections through the functions that were left out, as `section_state`
+   !> (4, sections), eq. (2.24); only of a recovery with `tension`.
+   subroutine geometric_state(recovery, eta, amplitude, state)
+      type(recovery_type), intent(in) :: recovery
+      !> Coordinates (n), amplitudes (columns)
+      real(wp), intent(in) :: eta(:), amplitude(:)
+      real(wp), intent(out) :: state(:, :)
+      real(wp) :: force(size(recovery%tension%frame%member)), own(6)
+      real(wp), dimension(3, size(recovery%tension%frame%place, 2)) :: load, u, left_out
+      integer :: e, j
+      associate (self => recovery%tension, frame => recovery%tension%frame)
+         force = matmul(self%modal, eta) + matmul(self%load, amplitude)
+         u = 0.0_wp
+         do j = 1, size(eta)
+            u = u + self%shape(:, :, j)*eta(j)
+         end do
+         load = 0.0_wp
+         do e = 1, size(force)
+            own = own_displacements(frame, e, u)
+            own(bending_dofs) = -force(e)*matmul(geometric_stiffness(frame%length(e)), own(bending_dofs))
+            own([1, 4]) = 0.0_wp
+            call add_element_load(frame, e, own, load)
+         end do
+         call solve_left_out(frame, self%solver, self%shape, self%omega2, load, left_out)
+         u = u + left_out
+         do j = 1, size(recovery%sections)
+            e = element_of_section(frame, recovery%sections(j))
+            state(:, j) = section_state(frame, left_out, recovery%sections(j))
+            state(2:3, j) = state(2:3, j) + tensioned_forces(frame, e, recovery%sections(j)%x, force(e), u)
+         end do
+      end associate
+   end subroutine geometric_state
+
+   !> What tension makes within an element whose nodes carry its geometric forces: shear force across the deflected axis and bending
+   !> moment (2) in excess of those of the middle and of the straight line between the ends, eq. (2.28).
+   pure function tensioned_forces(frame, e, at, tension, u) result(force)
+      type(frame_type), intent(in) :: frame
+      integer, intent(in) :: e
+      !> Coordinate along the member of the section [length], axial force of the element
+      real(wp), intent(in) :: at, tension
+      !> Displacements (3, nodes)
+      real(wp), intent(in) :: u(:, :)
+      real(wp) :: force(2), own(6), nodal(4), x, l
+      l = frame%length(e)
+      x = at - frame%from(e)
+      own = own_displacements(frame, e, u)
+      associate (w => own(bending_dofs))
+         nodal = matmul(geometric_stiffness(l), w)
+         force(1) = -nodal(1) - dot_product(bending_slope(x, l), w)
+         force(2) = -nodal(2) + nodal(1)*x + dot_product(bending_shape(x, l), w) - w(1)
+      end associate
+      force = tension*force
+   end function tensioned_forces
 
    !> Of an exact beam: sections and places of loads only.
    subroutine exact_recovery(sections, places, recovery)
@@ -339,10 +458,12 @@ contains
    !> Axial force, shear force and bending moment at a section. The first is the part of the whole force along the deflected axis,
    !> eq. (2.30), where tension acts on the bending: the shear force, minus the slope of the moment, is across that axis already.
    !> Of coordinates that are held, forces are those of equilibrium, and the axis is deflected as it is held.
-   pure function internal_forces(recovery, section, eta, amplitude, lacking) result(force)
+   pure function internal_forces(recovery, section, eta, amplitude, geometric, lacking) result(force)
       type(recovery_type), intent(in) :: recovery
       integer, intent(in) :: section
       real(wp), intent(in) :: eta(:), amplitude(:)
+      !> See `geometric_state` (4, sections); unallocated without `tension`
+      real(wp), allocatable, intent(in) :: geometric(:, :)
       !> By how much the coordinates that are held differ from those in equilibrium (n); unallocated if nothing is held
       real(wp), allocatable, intent(in) :: lacking(:)
       real(wp) :: force(3), state(4)
@@ -354,6 +475,7 @@ contains
       do k = 1, size(recovery%load, 2)
          state = state + recovery%load(:, k, section)*amplitude(k)
       end do
+      if (allocated(geometric)) state = state + geometric(:, section)
       if (allocated(lacking)) then
          state(:3) = state(:3) + matmul(recovery%modal(:3, :, section), lacking)
          state(4) = dot_product(recovery%modal(4, :, section), eta)

@@ -8,7 +8,7 @@
 module limber_beam_mesh_forces
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
-   use limber_beam_element_matrices, only: beam_stiffness
+   use limber_beam_element_matrices, only: beam_stiffness, geometric_stiffness
    use limber_beam_plane_frame, only: frame_type, element_forces, own_displacements
    use limber_beam_frame_solver, only: solver_type, new_solver, solve_static
    implicit none
@@ -163,20 +163,12 @@ contains
          end do
          stiffness = beam_stiffness(0.0_wp, survey%mesh%ei(e), survey%mesh%length(e))
          survey%bending = survey%bending + matmul(transpose(own(:, 1:)), matmul(stiffness([2, 3, 5, 6], [2, 3, 5, 6]), own(:, 1:)))
-         part = matmul(transpose(own), matmul(unit_tension(survey%mesh%length(e)), own))
+         part = matmul(transpose(own), matmul(geometric_stiffness(survey%mesh%length(e)), own))
          do i = 1, size(survey%pull, 2)
             survey%work(:, :, i) = survey%work(:, :, i) + survey%pull(e, i)*part
          end do
       end do
    end subroutine work_on_slopes
-
-   !> Geometric stiffness of an element under unit tension on (w, theta) of both ends, eq. (2.2).
-   pure function unit_tension(l) result(k)
-      real(wp), intent(in) :: l
-      real(wp) :: k(4, 4)
-      k = reshape([36.0_wp, 3*l, -36.0_wp, 3*l, 3*l, 4*l**2, -3*l, -l**2, -36.0_wp, -3*l, 36.0_wp, -3*l, 3*l, -l**2, -3*l, &
-         & 4*l**2], [4, 4])/(30*l)
-   end function unit_tension
 
    !> What is left of the flexibility when that of the coordinates is taken out, eq. (7.38).
    pure subroutine leave_out(survey, omega2, load, u)

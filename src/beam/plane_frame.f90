@@ -7,7 +7,7 @@ module limber_beam_plane_frame
    implicit none
    private
    public :: frame_type, member_type, acted_type, new_frame, beam_frame, beam_nodes, element_at, member_field, member_length
-   public :: element_stiffness, strain_energy, element_forces, own_displacements, unit_load
+   public :: element_stiffness, strain_energy, element_forces, own_displacements, add_element_load, unit_load
 
    !> A straight member between two corners
    type :: member_type
@@ -260,7 +260,7 @@ contains
       real(wp) :: load(3, size(frame%place, 2)), own(6), s, l
       !> Part of an element that tells no place from a node
       real(wp), parameter :: near = 1.0e-9_wp
-      integer :: e, k
+      integer :: e
       load = 0.0_wp
       e = element_at(frame, member, x)
       l = frame%length(e)
@@ -275,13 +275,25 @@ contains
             own([1, 4]) = a(part)*[1 - s/l, s/l]
             own([2, 3, 5, 6]) = merge(-a(2), a(1), part == 1)*bending_shape(s, l)
          end if
-         do k = 1, 2
-            associate (f => own(3*k - 2:3*k))
-               load(:, frame%ends(k, e)) = [a(1)*f(1) - a(2)*f(2), a(2)*f(1) + a(1)*f(2), f(3)]
-            end associate
-         end do
       end associate
+      call add_element_load(frame, e, own, load)
    end function unit_load
+
+   !> Adds forces and couples on both nodes of an element, in its own axes, to those on the nodes of the mesh.
+   pure subroutine add_element_load(frame, e, own, load)
+      type(frame_type), intent(in) :: frame
+      integer, intent(in) :: e
+      !> Along, across and couple at its start and its end
+      real(wp), intent(in) :: own(6)
+      !> (3, nodes)
+      real(wp), intent(inout) :: load(:, :)
+      integer :: k
+      do k = 1, 2
+         associate (f => own(3*k - 2:3*k), a => frame%axis(:, e), node => load(:, frame%ends(k, e)))
+            node = node + [a(1)*f(1) - a(2)*f(2), a(2)*f(1) + a(1)*f(2), f(3)]
+         end associate
+      end do
+   end subroutine add_element_load
 
    !> Stiffness of an element in the axes of the body on (x, y, rotation) of its two nodes.
    pure function element_stiffness(frame, e) result(k)

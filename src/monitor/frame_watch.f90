@@ -8,7 +8,7 @@ module limber_monitor_frame_watch
    use limber_monitor_indicators, only: indicators_type, body_indicators_type, raise_peak, peak_compression, peak_tension, &
       & peak_left_out, peak_geometric, peak_axial, peak_axial_grown, peak_stiffness, peak_layer, &
       & peak_quartic, peak_quartic_grown, peak_membrane, peak_membrane_force, peak_pull, &
-      & peak_own_pull, peak_recoil, sum_shortening, add_vibration, raise_recoil_force
+      & peak_own_pull, peak_strained, peak_recoil, sum_shortening, add_vibration, raise_recoil_force
    use limber_monitor_membrane, only: start_membrane, find_membrane
    use limber_monitor_body_surveys, only: body_survey_type, take_amplitudes, is_base
    use limber_beam_elastic_forces, only: elastic_force
@@ -124,7 +124,7 @@ contains
       type(reduced_type), intent(in) :: reduced
       !> Time; coordinates (n)
       real(wp), intent(in) :: t, eta(:)
-      real(wp) :: work, elastic, lack, quick, left_out, part, weakest, quartic, layer, looked_at(size(eta))
+      real(wp) :: work, elastic, lack, quick, left_out, part, weakest, quartic, strained, layer, looked_at(size(eta))
       integer :: i, k, m, info
       m = size(own%survey%chosen)
       call axial_work(own%survey, own%amplitude, self%slope_work)
@@ -135,7 +135,7 @@ contains
             part = part + self%strained(0, i)*self%strained(k, i)*own%survey%omega2(k)*eta(own%survey%chosen(k))
          end do
       end do
-      call look_at_members(own, part, eta, layer, quartic)
+      call look_at_members(own, part, eta, layer, quartic, strained)
       call raise_peak(self, peak_layer, layer/self%layer, t)
       call raise_peak(self, peak_quartic, quartic, t)
       elastic = 0.0_wp
@@ -180,6 +180,7 @@ contains
       end do
       left_out = left_out_work(own)/min(1.0_wp, weakest)
       call raise_peak(self, peak_quartic_grown, quartic/min(1.0_wp, weakest), t)
+      call raise_peak(self, peak_strained, strained/min(1.0_wp, weakest), t)
       call raise_peak(self, peak_compression, -self%value(1), t)
       call raise_peak(self, peak_tension, self%value(size(self%value)), t)
       call raise_peak(self, peak_geometric, abs(work), t)
@@ -251,16 +252,17 @@ contains
    end subroutine observe_pull
 
    !> Members by themselves: the length of one over that on which its bending dies out, sqrt(E I/N), where it is pulled most,
-   !> eq. (7.19); and what the force that buckles them grows by with the slopes, eq. (7.48).
-   pure subroutine look_at_members(own, rotation, eta, layer, quartic)
+   !> eq. (7.19); and what the force that buckles them grows by with the slopes and with the strain, eq. (7.48).
+   pure subroutine look_at_members(own, rotation, eta, layer, quartic, strained)
       type(body_survey_type), intent(in) :: own
       !> Rotation of the frame that goes with its coordinates, and these (n)
       real(wp), intent(in) :: rotation, eta(:)
-      real(wp), intent(out) :: layer, quartic
+      real(wp), intent(out) :: layer, quartic, strained
       real(wp) :: pull, slope(2)
       integer :: e, i
       layer = 0.0_wp
       quartic = 0.0_wp
+      strained = 0.0_wp
       associate (mesh => own%survey%mesh, shape => own%survey%shape)
          do e = 1, size(mesh%member)
             pull = 0.0_wp
@@ -277,6 +279,7 @@ contains
                   slope = slope + shape(3, mesh%ends(:, e), i)*eta(i)
                end do
                quartic = quartic - pull*mesh%length(e)*sum(slope**4)/12
+               strained = strained + pull**2/mesh%ea(e)*mesh%length(e)*(slope(1)**2 + slope(1)*slope(2) + slope(2)**2)/3
             end if
          end do
       end associate

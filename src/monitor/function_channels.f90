@@ -3,6 +3,7 @@
 !> monitor. Source: doc/theory, eqs. (7.58)-(7.62), (7.65).
 module limber_monitor_function_channels
    use limber_base_kinds, only: wp
+   use limber_beam_exact_beam, only: exact_type
    use limber_monitor_connections, only: ends_of, hangs_on, connected_with
    use limber_monitor_function_sudden, only: lost_moments, lost_shears, lost_pulls
    use limber_monitor_function_watch, only: function_watch_type, beam_watch_type, station_of
@@ -238,6 +239,7 @@ contains
          integer, intent(in) :: at
          if (at == 0) return
          if (.not. beam%sudden%bent(at) > nothing*maxval(beam%sudden%bent)) return
+         if (ends_at_zero(model%bodies(beam%body)%reduced%exact, at, beam%sudden%bent)) return
          lost(of_moments) = max(lost(of_moments), moments(at)/beam%sudden%bent(at))
       end subroutine raise_moment
 
@@ -247,6 +249,7 @@ contains
          real(wp), intent(in) :: off(:), largest(:)
          if (at == 0) return
          if (.not. largest(at) > nothing*maxval(largest)) return
+         if (ends_at_zero(model%bodies(beam%body)%reduced%exact, at, largest)) return
          lost(kind) = max(lost(kind), off(at)/largest(at))
       end subroutine raise_force
 
@@ -256,5 +259,26 @@ contains
       end subroutine raise_passed
 
    end function lost_of_channels
+
+   !> Whether a section force goes to zero from the station nearest to an end of a beam to that end, as at a hinge or a free end: the
+   !> value there is zero by equilibrium, that of the station says nothing on it.
+   pure logical function ends_at_zero(exact, at, largest)
+      type(exact_type), intent(in) :: exact
+      !> Index of the station
+      integer, intent(in) :: at
+      !> Largest magnitudes (stations)
+      real(wp), intent(in) :: largest(:)
+      !> Part of the value at the station
+      real(wp), parameter :: little = 0.3_wp
+      real(wp) :: end
+      integer :: next
+      ends_at_zero = .false.
+      if (size(largest) < 2 .or. (at > 1 .and. at < size(largest))) return
+      next = merge(2, size(largest) - 1, at == 1)
+      end = merge(0.0_wp, exact%total, at == 1)
+      associate (slope => (largest(next) - largest(at))/(exact%s(next) - exact%s(at)))
+         ends_at_zero = abs(largest(at) + slope*(end - exact%s(at))) < little*largest(at)
+      end associate
+   end function ends_at_zero
 
 end module limber_monitor_function_channels

@@ -32,13 +32,14 @@ module limber_monitor_indicators
       & indicator_axial = 10, indicator_coarseness = 11, indicator_lumping = 12, indicator_shortening = 13, &
       & indicator_drift = 14, indicator_elongation = 15, indicator_recoil = 16, indicator_buckling = 17, indicator_layer = 18, &
       & indicator_phase = 19, indicator_false_damping = 20, indicator_membrane = 21, &
-      & indicator_reaction = 22, indicator_recoil_force = 23, indicator_drawn = 24, indicator_count = 24
+      & indicator_reaction = 22, indicator_recoil_force = 23, indicator_drawn = 24, indicator_strain = 25, &
+      & indicator_count = 25
 
    !> Their names in results, and what they are
    character(*), parameter :: indicator_names(indicator_count) = [character(16) :: 'deflection', 'slope', 'rotation', &
       & 'compression', 'tension', 'pace', 'last_mode', 'residual', 'geometric', 'axial', 'coarseness', 'lumping', &
       & 'shortening', 'drift', 'elongation', 'recoil', 'buckling', 'layer', 'phase', 'false_damping', &
-      & 'membrane', 'membrane_force', 'recoil_force', 'drawn_in']
+      & 'membrane', 'membrane_force', 'recoil_force', 'drawn_in', 'strain']
    character(*), parameter :: indicator_meanings(indicator_count) = [character(120) :: &
       & 'largest deflection in the frame / length', &
       & 'largest slope in the frame', &
@@ -63,7 +64,8 @@ module limber_monitor_indicators
       & 'relative change of the deflection of a frame by axial force where the ends of its members cannot approach each other', &
       & 'that axial force / largest axial force or load, where channels ask for axial forces, stresses or reactions', &
       & 'axial force by inertia that the shortening has and the model lacks / largest axial force or load, where it is asked for', &
-      & 'displacement along a beam by which bending draws it in and that the model lacks / largest one, where it is asked for']
+      & 'displacement along a beam by which bending draws it in and that the model lacks / largest one, where it is asked for', &
+      & 'relative change of the deflection by the axial strain of what is compressed']
 
    !> Kinetic over elastic energy, as `indicator_pace`, below which a compression lasts long enough to buckle a beam
    real(wp), parameter, public :: slow = 0.3_wp
@@ -76,7 +78,7 @@ module limber_monitor_indicators
       & peak_coarse_grown = 20, peak_layer = 21, peak_quartic_grown = 22, &
       & peak_membrane = 23, peak_membrane_force = 24, peak_pull = 25, peak_growth = 26, &
       & peak_recoil_force = 27, peak_recoil_kept = 28, peak_own_pull = 29, peak_drawn = 30, peak_along = 31, &
-      & peaks = 31
+      & peak_strained = 32, peaks = 32
 
    !> Sums over the states that were observed: kinetic and elastic energy of bending, that of the shortening, accelerations, and
    !> squared coordinates of bending
@@ -308,6 +310,9 @@ contains
             if (self%shows_axial) value = ratio(peak(peak_membrane_force), max(peak(peak_pull), peak(peak_membrane_force)))
          case (indicator_recoil_force); value = peak(peak_recoil_force)
          case (indicator_drawn); value = ratio(peak(peak_drawn), peak(peak_along))
+         case (indicator_strain)
+            value = 0.0_wp
+            if (is_slow(self)) value = ratio(peak(peak_strained), peak(peak_stiffness))
          case default; value = peak(kind)
          end select
       end associate
@@ -326,8 +331,8 @@ contains
       real(wp) :: errors(3), share
       if (allocated(self%slope_work)) then
          ! A frame
-         share = self%peak(peak_layer)
-         errors = [0.3_wp*share/(1 + 0.3_wp*share), 0.07_wp*share**2/(1 + 0.07_wp*share**2), min(1.0_wp, 0.0015_wp*share**3)]
+         errors = [8.0e-4_wp, 4.0e-4_wp, 4.0e-4_wp]*self%peak(peak_layer)**4
+         errors = errors/(1 + errors)
       else
          share = self%layer*sqrt(max(0.0_wp, self%peak(peak_tension)))
          errors = [min(1.0_wp, 0.3_wp*share), min(1.0_wp, 0.05_wp*share**2), 0.0_wp]
@@ -383,6 +388,7 @@ contains
       case (indicator_reaction); t = self%time(peak_membrane_force)
       case (indicator_recoil_force); t = self%time(peak_recoil_force)
       case (indicator_drawn); t = self%time(peak_drawn)
+      case (indicator_strain); t = self%time(peak_strained)
       case default; t = self%time(kind)
       end select
    end function indicator_time

@@ -12,7 +12,7 @@ module limber_monitor_model_ranges
       & indicator_compression, indicator_pace, indicator_residual, indicator_geometric, indicator_axial, indicator_coarseness, &
       & indicator_lumping, indicator_shortening, indicator_drift, indicator_elongation, indicator_recoil, &
       & indicator_buckling, indicator_layer, indicator_phase, indicator_false_damping, indicator_membrane, indicator_reaction, &
-      & indicator_recoil_force, indicator_drawn
+      & indicator_recoil_force, indicator_drawn, indicator_strain
    use limber_model_model, only: model_type, body_type
    use limber_output_history, only: history_type
    implicit none
@@ -80,6 +80,8 @@ contains
          limit = 0.05_wp
       case (indicator_buckling, indicator_layer)
          if (.not. linear) limit = 0.05_wp
+      case (indicator_strain)
+         if (.not. linear) limit = 0.02_wp
       end select
       excess = indicator_value(indicators, kind)/limit
       if (any(kind == [indicator_rotation, indicator_compression, indicator_buckling, indicator_phase])) return
@@ -256,6 +258,10 @@ contains
          text = text//held_apart
       case (indicator_reaction)
          text = 'lacks axial force of about '//percent//' of its largest axial force or load'//when//held_apart
+      case (indicator_strain)
+         text = 'is compressed by '//as_text(indicator_value(indicators, indicator_compression), 3)//' times its '// &
+            & trim(merge('buckling load', 'Euler load   ', body%is_frame))//when//', where its deflection depends on how much'// &
+            & ' shorter the compression makes it, which '//fidelity(body)//' leaves out: it errs by about '//percent
       case (indicator_elongation)
          text = 'is longer or shorter under its axial forces than its axial functions can follow, by '//percent// &
             & ' of the largest elongation or deflection'//when

@@ -5,7 +5,8 @@ module limber_monitor_observation
    use limber_monitor_indicators, only: indicators_type, body_indicators_type, raise_peak, peak_deflection, peak_slope, &
       & peak_rotation, peak_compression, peak_tension, peak_energy, peak_kinetic, peak_left_out, peak_geometric, peak_axial, &
       & peak_coarse, peak_stiffness, peak_lost, peak_quartic, peak_bent, peak_stretch, &
-      & peak_unstretched, peak_axial_grown, peak_coarse_grown, peak_quartic_grown, peak_growth, peak_pull, peak_own_pull, &
+      & peak_unstretched, peak_strained, peak_axial_grown, peak_coarse_grown, peak_quartic_grown, peak_growth, peak_pull, &
+      & peak_own_pull, &
       & add_vibration, raise_recoil_force
    use limber_monitor_beam_shortening, only: add_shortening, observe_recoil, observe_drawn
    use limber_beam_monitored_sections, only: monitored_sections_type
@@ -341,11 +342,13 @@ contains
       type(monitored_sections_type), intent(in) :: stations
       type(body_type), intent(in) :: body
       real(wp), intent(in) :: t, eta(:)
-      real(wp) :: load, work, lack, coarse, growth, elastic, left_out, lost, row, foreshortening, quartic
+      real(wp) :: load, work, lack, coarse, growth, elastic, left_out, lost, row, foreshortening, quartic, &
+         & strained
       integer :: s, k
       load = 0.0_wp
       work = 0.0_wp
       quartic = 0.0_wp
+      strained = 0.0_wp
       foreshortening = 0.0_wp
       if (stations%membrane > 0.0_wp) foreshortening = sum(stations%weight*self%slope**2)
       do s = 1, stations%count
@@ -357,6 +360,7 @@ contains
          load = load + stations%buckling(s)*self%force(s)
          work = work + stations%weight(s)*self%force(s)*self%slope(s)**2
          quartic = quartic + 0.5_wp*stations%weight(s)*self%force(s)*self%slope(s)**4
+         strained = strained + stations%weight(s)*(min(0.0_wp, self%force(s))*self%slope(s))**2/body%beam%ea
       end do
       call observe_pull(self, stations, t)
       call compare_tension(self, stations, body, eta, lack, coarse)
@@ -394,6 +398,7 @@ contains
       call raise_peak(self, peak_lost, lost, t)
       call raise_peak(self, peak_quartic, abs(quartic), t)
       call raise_peak(self, peak_quartic_grown, abs(quartic), t)
+      call raise_peak(self, peak_strained, strained/max(softest, 1 + min(load, 0.0_wp)), t)
    end subroutine observe_forces
 
    !> Largest axial force, and largest one or load, so far; and what the shortening adds to that, eq. (7.47).

@@ -7,7 +7,7 @@ module limber_output_internal_forces
       & settle_sections
    use limber_output_point_forces, only: pull_type, pulls_type, new_pulls, constraint_pulls, load_pulls, most_pulls
    use limber_beam_exact_profile, only: profile_at, profile_values
-   use limber_beam_force_recovery, only: recovery_type, section_type, amplitudes, internal_forces
+   use limber_beam_force_recovery, only: recovery_type, section_type, amplitudes, geometric_state, internal_forces
    use limber_model_model, only: body_type, ground
    use limber_multibody_plane_vectors, only: cross
    use limber_multibody_beam_axis, only: centreline_type
@@ -42,6 +42,8 @@ module limber_output_internal_forces
       real(wp) :: on_frame(3) = 0.0_wp
       !> Where the coordinates of a body with modes are held: those in equilibrium less these (n); otherwise unallocated
       real(wp), allocatable :: lacking(:)
+      !> Of a frame under tension: what its geometric forces make at its sections (4, sections); otherwise unallocated
+      real(wp), allocatable :: geometric(:, :)
    end type section_forces_type
 
 contains
@@ -82,6 +84,7 @@ contains
       allocate (effort%amplitude(size(recovery%load, 2)), effort%place(size(system%model%points)), effort%scratch(most))
       effort%amplitude = 0.0_wp
       effort%pulls = new_pulls(system)
+      if (allocated(recovery%tension)) allocate (effort%geometric(4, size(recovery%sections)))
       if (system%model%bodies(body)%reduced%is_exact) then
          allocate (effort%exact(3, size(recovery%sections)))
          effort%sections = new_section_reach(system%model%bodies(body)%reduced%exact, recovery)
@@ -139,6 +142,8 @@ contains
          call amplitudes(heavy, cross(u, v(first + 2:first + 3)), cross(u, a(first + 2:first + 3)), q(first + 4:last), &
             & v(first + 4:last), a(first + 4:last), efforts(i)%amplitude)
          call add_reactions(efforts(i), system, work, i, q)
+         if (allocated(efforts(i)%geometric)) call geometric_state(system%model%bodies(i)%recovery, q(first + 4:last), &
+            & efforts(i)%amplitude, efforts(i)%geometric)
          if (allocated(efforts(i)%extremes)) call stretch_envelope(efforts(i), system, i, q(first + 4:last))
       end do
    end subroutine gather_efforts
@@ -190,7 +195,8 @@ contains
             if (allocated(effort%exact)) then
                value(:3) = effort%exact(:, first + k)
             else
-               value(:3) = internal_forces(recovery, first + k, eta, effort%amplitude, effort%lacking)
+               value(:3) = internal_forces(recovery, first + k, eta, effort%amplitude, effort%geometric, &
+                  & effort%lacking)
             end if
             value(4:5) = stresses(value(:3), strength_at(system%model%bodies(body), recovery%sections(first + k)))
             effort%extremes(:, 1, k) = min(effort%extremes(:, 1, k), value)
@@ -381,7 +387,8 @@ contains
          return
       end if
       force = internal_forces(system%model%bodies(body)%recovery, system%model%points(point)%section, &
-         & q(first + 4:first + 3 + system%layout%n(body)), efforts(body)%amplitude, efforts(body)%lacking)
+         & q(first + 4:first + 3 + system%layout%n(body)), efforts(body)%amplitude, efforts(body)%geometric, &
+         & efforts(body)%lacking)
    end function section_forces
 
 end module limber_output_internal_forces

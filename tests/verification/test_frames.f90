@@ -42,6 +42,8 @@ program test_frames
    call check_lee()
    call check_parts()
    call check_near()
+   call check_strained()
+   call check_pulled()
    call check_ends_of_models()
    call check_short_shapes()
    call check_held_ends()
@@ -98,7 +100,9 @@ contains
          print '(2a,i2,2es10.2)', name, option, i, x(size(x))/deflection(i) - 1, found/frequency(i) - 1
          call check_close(x(size(x))/deflection(i), 1.0_wp, tolerance, name//option//': deflection')
          call check_close(found(1)/frequency(i), 1.0_wp, tolerance, name//option//': frequency')
-         call check(warnings == '', name//': no warning: '//warnings)
+         ! The strain of the braced portal, which the answers leave out, changes its deflection by 2 % at 0.9: told or just not
+         call check(warnings == '' .or. (name == 'braced portal' .and. i == 2 .and. index(warnings, 'how much shorter') > 0), &
+            & name//': no warning: '//warnings)
          call reader%close()
          deallocate (x)
       end do
@@ -331,6 +335,89 @@ contains
       end do
    end subroutine check_near
 
+   !> A clamped portal of members with E I = 1 and length 1 under loads on its knees, 0.95 times P = 7.379, and a small force H
+   !> across. By antisymmetry the girder is pressed by H/2. Sway in closed form: the columns are compressed by e = 1 - P/E A, their
+   !> angle is A sin k s + H/2P (cos k s - 1) with k^2 = P e, and the girder holds their tops by 6 theta/(1 + 24/E A). Exact beams
+   !> have it; the default is told to err where the members are soft.
+   subroutine check_strained()
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: x(:), girder(:)
+      character(:), allocatable :: warnings
+      real(wp), parameter :: pressed = 0.95_wp*7.379_wp, side = 1.0e-5_wp, rigidity(2) = [1.0e3_wp, 1.0e5_wp]
+      real(wp) :: e, k, hold, amplitude, sway
+      integer :: i
+      do i = 1, 4
+         associate (ea => rigidity(1 + (i - 1)/2), large => mod(i, 2) == 0)
+            e = 1 - pressed/ea
+            k = sqrt(pressed*e)
+            hold = 6/(1 + 24/ea)
+            amplitude = 0.5_wp*side/pressed*(k*sin(k) - hold*(cos(k) - 1))/(k*cos(k) + hold*sin(k))
+            sway = e*(amplitude*(1 - cos(k))/k + 0.5_wp*side/pressed*(sin(k)/k - 1))
+            call run_scene(soft_portal(ea, pressed, side, trim(merge(', LARGE=YES', '           ', large))), reader, warnings)
+            allocate (x, source=channel(reader, 'x'))
+            allocate (girder, source=channel(reader, 'girder'))
+            print '(a,es8.1,l2,2f10.6)', 'strained', ea, large, x(size(x))/sway, -2*girder(size(girder))/side
+            call check_close(-2*girder(size(girder))/side, 1.0_wp, 2.0e-3_wp, 'force of the girder near buckling')
+            if (large .or. ea > 1.0e4_wp) then
+               call check_close(x(size(x))/sway, 1.0_wp, 2.0e-3_wp, 'sway near buckling')
+               call check(index(warnings, 'how much shorter') == 0, 'compressed members, right: '//warnings)
+            else
+               call check(x(size(x)) > 1.1_wp*sway, 'default frame leaves out the strain near buckling')
+               call check(index(warnings, 'how much shorter the compression makes it') > 0 .and. index(warnings, 'about 15 %') > 0 &
+                  & .and. index(warnings, 'LARGE=YES') > 0, 'and this is told: '//warnings)
+            end if
+            call reader%close()
+            deallocate (x, girder)
+         end associate
+      end do
+   end subroutine check_strained
+
+   !> That portal.
+   function soft_portal(ea, pressed, side, option) result(text)
+      real(wp), intent(in) :: ea, pressed, side
+      character(*), intent(in) :: option
+      character(:), allocatable :: text
+      text = '*MATERIAL, NAME=m, YOUNG='//as_text(ea, 17)//', DENSITY=1'//nl// &
+         & '*SECTION, NAME=s, SHAPE=GENERAL, AREA=1, INERTIA='//as_text(1/ea, 17)//nl// &
+         & '*FRAME, NAME=p, MATERIAL=m, SECTION=s'//option//nl//' middle, 2, 0.5'//nl//'*NODE'//nl// &
+         & ' 1, 0, 0, a'//nl//' 2, 0, 1, b'//nl//' 3, 1, 1, c'//nl//' 4, 1, 0, d'//nl//'*ELEMENT'//nl//' 1, 1, 2'//nl// &
+         & ' 2, 2, 3'//nl//' 3, 3, 4'//nl//'*GROUND'//nl//' far, 1, 0'//nl//'*JOINT, NAME=one, TYPE=WELD'//nl// &
+         & ' p.a, ground.origin'//nl//'*JOINT, NAME=two, TYPE=WELD'//nl//' p.d, ground.far'//nl// &
+         & '*FORCE, NAME=p1, POINT=p.b'//nl// &
+         & ' 0, -'//as_text(pressed, 17)//'*t'//nl//'*FORCE, NAME=p2, POINT=p.c'//nl//' 0, -'//as_text(pressed, 17)//'*t'//nl// &
+         & '*FORCE, NAME=h, POINT=p.b'//nl//' '//as_text(side, 17)//', 0'//nl//'*STATICS, INCREMENTS=10'//nl//'*OUTPUT'//nl// &
+         & ' x = x(p.b)'//nl//' girder = axial_force(p.middle)'//nl
+   end function soft_portal
+
+   !> A cantilever of two members, E I = 1 and length 1, under the tension T and the force F across its tip: the shear force at the
+   !> root is F, the moment F tanh(k)/k with k^2 = T. Both are right or told, on whatever length the bending dies out.
+   subroutine check_pulled()
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: shear(:), moment(:)
+      character(:), allocatable :: warnings
+      real(wp), parameter :: pulls(4) = [25.0_wp, 120.0_wp, 500.0_wp, 5000.0_wp], tolerance(4) = [1.0e-4_wp, 5.0e-4_wp, &
+         & 6.0e-3_wp, 0.3_wp], side = 1.0e-3_wp
+      integer :: i
+      do i = 1, size(pulls)
+         call run_scene('*MATERIAL, NAME=m, YOUNG=1e6, DENSITY=1'//nl//'*SECTION, NAME=s, SHAPE=GENERAL, AREA=1, INERTIA=1e-6' &
+            & //nl//'*FRAME, NAME=p, MATERIAL=m, SECTION=s'//nl//' root, 1, 0'//nl//'*NODE'//nl//' 1, 0, 0, a'//nl// &
+            & ' 2, 0.5, 0, b'//nl//' 3, 1, 0, c'//nl//'*ELEMENT'//nl//' 1, 1, 2'//nl//' 2, 2, 3'//nl// &
+            & '*JOINT, NAME=one, TYPE=WELD'//nl//' p.a, ground.origin'//nl//'*FORCE, NAME=pull, POINT=p.c'//nl//' '// &
+            & as_text(pulls(i), 17)//'*t, '//as_text(side, 17)//nl//'*STATICS, INCREMENTS=10'//nl//'*OUTPUT'//nl// &
+            & ' shear = shear_force(p.root)'//nl//' moment = bending_moment(p.root)'//nl, reader, warnings)
+         allocate (shear, source=channel(reader, 'shear'))
+         allocate (moment, source=channel(reader, 'moment'))
+         associate (v => abs(shear(size(shear)))/side, m => abs(moment(size(moment)))/side*sqrt(pulls(i))/tanh(sqrt(pulls(i))))
+            print '(a,es9.2,2es10.2)', 'pulled', pulls(i), v - 1, m - 1
+            call check_close(v, 1.0_wp, tolerance(i), 'shear force at the root under tension')
+            call check_close(m, 1.0_wp, tolerance(i), 'moment at the root under tension')
+         end associate
+         call check((index(warnings, 'is pulled so much') > 0) .eqv. i == 4, 'layers under tension: '//warnings)
+         call reader%close()
+         deallocate (shear, moment)
+      end do
+   end subroutine check_pulled
+
    !> A portal of bars of 0.01 by 0.01, 1 m long, under loads on its knees in units of E I/L^2, and 1 N across.
    function slender(option, load) result(text)
       character(*), intent(in) :: option, load
@@ -380,7 +467,7 @@ contains
    end subroutine check_deflected
 
    !> A crane's jib of 40 members, whose bending moments (-2110 and -1930 N m by finite elements) are small beside the couples of
-   !> its joints: with the default modes these are 30 % off and told; with more coordinates than 40 neither its flexibility nor its
+   !> its joints: with the default modes these are 3 % off and told; with more coordinates than 40 neither its flexibility nor its
    !> axial forces are said to be wrong, which are right to 1e-3.
    subroutine check_lattice()
       type(history_reader_type) :: reader
@@ -406,8 +493,8 @@ contains
          allocate (tip, source=channel(reader, 'u2'))
          print '(a,i2,f9.1,f9.5)', 'lattice', i, moment(size(moment)), tip(size(tip))
          call check_close(tip(size(tip))/(-0.38496_wp), 1.0_wp, 1.0e-3_wp, 'lattice: tip')
-         if (i == 1) call check(abs(moment(size(moment)) + 2110) > 300 .and. index(warnings, "warning: channel 'm") > 0 .and. &
-            & index(warnings, 'bending moments there err by more') > 0, 'lattice: moments are told: '//warnings)
+         call check_close(moment(size(moment))/(-2110.0_wp), 1.0_wp, merge(0.04_wp, 0.01_wp, i == 1), 'lattice: moment')
+         if (i == 1) call check(index(warnings, "warning: channel 'm0'") > 0, 'lattice: the moment is told: '//warnings)
          call check(index(warnings, 'in ways that its') == 0 .and. index(warnings, 'lacks axial force') == 0, &
             & 'lattice: nothing else is: '//warnings)
          call reader%close()

@@ -18,7 +18,7 @@ module limber_multibody_equations_of_motion
    implicit none
    private
    public :: linearise, linearise_placed, accelerations, accelerate, sum_forces, sum_given_forces
-   public :: position_residual, open_residual, velocity_residual, velocity_gaps, open_velocity_gaps, acceleration_gaps
+   public :: position_residual, open_residual, velocity_residual, velocity_gaps, acceleration_gaps
    public :: input_power, power_at, add_parts_of_power, mechanical_energy, worst_constraint
 
 contains
@@ -316,50 +316,27 @@ contains
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       real(wp), contiguous, intent(in) :: v(:)
-      integer :: i
+      integer :: i, side, body, at, first, n
+      real(wp) :: rates(3)
       work%gamma = 0.0_wp
       do i = 1, size(system%constraints)
-         call find_velocity_gap(system, work, i, v)
+         associate (item => system%constraints(i)%item)
+            at = item%first - 1
+            if (item%driven) call item%rate(work%kinematics, work%gamma(at + 1:at + item%rows))
+            do side = 1, 2
+               body = item%bodies(side)
+               if (body == ground) cycle
+               first = system%layout%q(body)
+               ! No deflection moves the origin that a frame hangs at
+               n = merge(0, system%layout%n(body), system%tree%joint(body) == i)
+               rates = [v(first), v(first + 1), 0.0_wp]
+               if (system%layout%framed(body)) rates(3) = cross(work%kinematics%frames(body)%u, v(first + 2:first + 3))
+               call take_speed(item%rows, system%layout%n(body), n, work%jacobians(side, i)%z, work%jacobians(side, i)%eta, rates, &
+                  & v(first + 4:), work%gamma(at + 1:))
+            end do
+         end associate
       end do
    end subroutine velocity_gaps
-
-   !> The same where all frames that hang or are driven move as they must: the constraints that place them have no residual.
-   subroutine open_velocity_gaps(system, work, v)
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(inout) :: work
-      real(wp), contiguous, intent(in) :: v(:)
-      integer :: k
-      work%gamma = 0.0_wp
-      do k = 1, size(system%tree%open)
-         call find_velocity_gap(system, work, system%tree%open(k), v)
-      end do
-   end subroutine open_velocity_gaps
-
-   !> Residual of the velocity equations of one constraint, added to work%gamma.
-   subroutine find_velocity_gap(system, work, which, v)
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(inout) :: work
-      !> Index of the constraint
-      integer, intent(in) :: which
-      real(wp), contiguous, intent(in) :: v(:)
-      integer :: side, body, at, first, n
-      real(wp) :: rates(3)
-      associate (item => system%constraints(which)%item)
-         at = item%first - 1
-         if (item%driven) call item%rate(work%kinematics, work%gamma(at + 1:at + item%rows))
-         do side = 1, 2
-            body = item%bodies(side)
-            if (body == ground) cycle
-            first = system%layout%q(body)
-            ! No deflection moves the origin that a frame hangs at
-            n = merge(0, system%layout%n(body), system%tree%joint(body) == which)
-            rates = [v(first), v(first + 1), 0.0_wp]
-            if (system%layout%framed(body)) rates(3) = cross(work%kinematics%frames(body)%u, v(first + 2:first + 3))
-            call take_speed(item%rows, system%layout%n(body), n, work%jacobians(side, which)%z, work%jacobians(side, which)%eta, &
-               & rates, v(first + 4:), work%gamma(at + 1:))
-         end do
-      end associate
-   end subroutine find_velocity_gap
 
    !> Takes from rates the speed that a body gives constraint equations.
    pure subroutine take_speed(rows, columns, n, z, eta, rates, eta_rates, left)

@@ -10,9 +10,10 @@ module limber_multibody_projection
    use limber_multibody_drivers, only: driven_angle_type
    use limber_multibody_constraint_matrix, only: constraint_matrix_type, new_constraint_matrix
    use limber_multibody_equations_of_motion, only: linearise, linearise_placed, position_residual, open_residual, &
-      & velocity_residual, velocity_gaps, open_velocity_gaps
+      & velocity_residual, velocity_gaps
    use limber_multibody_kinematics, only: place_drives, place_frames
    use limber_multibody_layout, only: normalise_frames
+   use limber_multibody_point_motion, only: point_velocity
    use limber_multibody_multiplier_system, only: update_jacobians
    use limber_multibody_multiplier_solution, only: solve_multiplier_system, solve_gaps
    use limber_multibody_system, only: system_type, workspace_type
@@ -50,24 +51,8 @@ contains
       ! One that is no number is beyond it, too
       if (.not. residual <= limit) return
       call linearise_placed(system, work, t, q, error)
-      if (.not. allocated(error)) call follow_position(system, work, t, q, v, change)
+      if (.not. allocated(error)) call project_velocity(system, work, v, change)
    end subroutine project_state
-
-   !> Velocities at a projected position, projected as it was: frames that hang or are driven move as they must, the rest least in
-   !> the mass norm. The system is linearised there.
-   subroutine follow_position(system, work, t, q, v, change)
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(inout) :: work
-      real(wp), intent(in) :: t
-      !> Coordinates and velocities (nq)
-      real(wp), contiguous, intent(inout) :: q(:), v(:)
-      !> Scratch (nq)
-      real(wp), contiguous, intent(inout) :: change(:)
-      call place_tree(system, work, t, q, v)
-      call open_velocity_gaps(system, work, v)
-      call solve_gaps(system, work, work%gamma, change)
-      call add_rates(system, work, change, v)
-   end subroutine follow_position
 
    !> Moves q onto the constraints, least in the mass norm, by Newton steps; the frames' vectors are brought to unit length. Leaves
    !> the kinematics placed at the new q.
@@ -143,18 +128,17 @@ contains
    end subroutine go_back
 
    !> Puts frames that hang on others, or are driven, where they belong.
-   subroutine place_tree(system, work, t, q, v)
+   subroutine place_tree(system, work, t, q)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       real(wp), intent(in) :: t
-      !> Coordinates (nq), and velocities if they are placed too (nq)
+      !> Coordinates (nq)
       real(wp), contiguous, intent(inout) :: q(:)
-      real(wp), contiguous, intent(inout), optional :: v(:)
       integer :: k
       call place_drives(system%model, t, work%kinematics)
       do k = 1, size(system%tree%order)
          if (system%tree%plain(system%tree%order(k))) cycle
-         call place_body(system, work, system%tree%order(k), .true., q, v)
+         call place_body(system, work, system%tree%order(k), .true., q)
       end do
    end subroutine place_tree
 
@@ -214,23 +198,24 @@ contains
       integer, intent(in) :: body
       real(wp), intent(inout) :: q(*)
       real(wp), intent(inout), optional :: v(*)
-      real(wp) :: arm(2)
+      real(wp) :: p(2), rate(2)
       integer :: to, from
       to = system%layout%q(body)
-      associate (p0 => system%model%points(system%marker_points(system%tree%marker(body)))%p0)
-         if (system%tree%carrier(body) == ground) then
-            q(to:to + 1) = p0
-            if (present(v)) v(to:to + 1) = 0.0_wp
-            return
+      associate (point => system%model%points(system%marker_points(system%tree%marker(body))))
+         p = point%p0
+         if (system%tree%carrier(body) /= ground) then
+            from = system%layout%q(system%tree%carrier(body))
+            p = along(p, q(from + 2:from + 3))
+            p(1) = q(from) + p(1)
+            p(2) = q(from + 1) + p(2)
          end if
-         from = system%layout%q(system%tree%carrier(body))
-         arm = along(p0, q(from + 2:from + 3))
-         q(to) = q(from) + arm(1)
-         q(to + 1) = q(from + 1) + arm(2)
+         q(to) = p(1)
+         q(to + 1) = p(2)
          if (.not. present(v)) return
-         arm = along(p0, v(from + 2:from + 3))
-         v(to) = v(from) + arm(1)
-         v(to + 1) = v(from + 1) + arm(2)
+         rate = 0.0_wp
+         if (point%body /= ground) rate = point_velocity(system%model, system%layout, point, q(:system%layout%nq), &
+            & v(:system%layout%nq))
+         v(to:to + 1) = rate
       end associate
    end subroutine hang_origin
 
@@ -368,6 +353,8 @@ contains
       real(wp), contiguous, intent(inout) :: change(:)
       !> Residual before, relative to the constraints' scales
       real(wp), intent(out), optional :: residual
+      integer :: i, first
+      real(wp) :: omega
       call clear_forces(work)
       if (present(residual)) then
          residual = velocity_residual(system, work, v)
@@ -375,28 +362,15 @@ contains
          call velocity_gaps(system, work, v)
       end if
       call solve_multiplier_system(system, work, work%gamma, change, .true.)
-      call add_rates(system, work, change, v)
-   end subroutine project_velocity
-
-   !> Adds rates to velocities at the placed kinematics: angular velocities to those of the frames.
-   subroutine add_rates(system, work, rates, v)
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(in) :: work
-      !> As the multiplier system solves for them, the places of u hold [omega, 0]; scratch behind (nq)
-      real(wp), contiguous, intent(inout) :: rates(:)
-      !> Velocities (nq)
-      real(wp), contiguous, intent(inout) :: v(:)
-      integer :: i, first
-      real(wp) :: omega
       do i = 1, size(work%bodies)
          if (.not. system%layout%framed(i)) cycle
          first = system%layout%q(i) + 2
-         omega = cross(work%kinematics%frames(i)%u, v(first:first + 1)) + rates(first)
+         omega = cross(work%kinematics%frames(i)%u, v(first:first + 1)) + change(first)
          call spin_frame(first, omega, work%kinematics%frames(i)%u, v)
-         rates(first:first + 1) = 0.0_wp
+         change(first:first + 1) = 0.0_wp
       end do
-      v = v + rates
-   end subroutine add_rates
+      v = v + change
+   end subroutine project_velocity
 
    !> Writes omega J u into the two places of a vector from `first` on.
    pure subroutine spin_frame(first, omega, u, vector)

@@ -46,6 +46,8 @@ module limber_accuracy_reached_target
       !> Number of runs, CPU seconds of all runs and their counted work
       integer :: runs = 0
       real(wp) :: cpu = 0.0_wp, work = 0.0_wp
+      !> Whether the start without deflections sets off vibrations of its candidate
+      logical :: is_struck = .false.
       !> Whether a run was given up as the search had cost all that it may
       logical :: spent = .false.
       !> What was climbed, a line for each
@@ -99,13 +101,15 @@ contains
       else if (reached%reason == '' .and. is_of_time(target, reached)) then
          reached%reason = time_words(target, reached)
       else if (reached%reason == '') then
-         reached%reason = 'no rung keeps TARGET='//as_text(target, 2)//': '
+         reached%reason = 'no fidelity level keeps TARGET='//as_text(target, 2)//': '
          if (reached%error < 1.0e3_wp) then
             reached%reason = reached%reason//'the error that the verification shows is '//as_text(reached%error, 2)//reached%place
          else
-            reached%reason = reached%reason//'the run one rung higher that is to verify it fails'
+            reached%reason = reached%reason//'the run one level higher that is to verify it fails'
          end if
       end if
+      if (reached%is_struck) reached%reason = reached%reason//newline//'   The start without deflections sets off vibrations:'// &
+         & ' *ASSEMBLY, INITIAL DEFLECTIONS=STATIC begins in balance'
       if (reached%fixed /= '' .and. reached%of_fixed <= 0.0_wp) reached%reason = reached%reason//newline// &
          & '   The deck fixes '//reached%fixed//': leave it open'
    end subroutine say_why

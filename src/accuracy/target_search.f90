@@ -1,6 +1,5 @@
 !> Search of the setting for a target. One loop: what is known of the candidate decides the next run, until it keeps the target;
-!> then
-!> coarser settings are tried. Floor: accuracy. Equations: doc/theory, part 7.
+!> then coarser settings are tried. Floor: accuracy. Equations: doc/theory, part 7.
 module limber_accuracy_target_search
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, status_interrupted
@@ -10,6 +9,7 @@ module limber_accuracy_target_search
    use limber_accuracy_coarsening, only: coarsen
    use limber_accuracy_fidelity_levels, only: richer, can_climb, names_of
    use limber_accuracy_fixed_options, only: verify_fixed, find_fixed, unverified_words
+   use limber_monitor_function_watch, only: starts_struck
    use limber_accuracy_reached_target, only: reached_type, record_errors, say_why
    use limber_accuracy_reference_run, only: reference_run_type
    use limber_accuracy_search_decisions, only: next_trial, measure_time, measure_model, measure_strain, tighten, loosen, refine, &
@@ -61,11 +61,22 @@ contains
          if (.not. allocated(s%candidate%outcome)) return
       end if
       if (reached%done .or. s%reference%known) call record_errors(s%reference, s%candidate, reached)
-      if (.not. (reached%done .or. allocated(reached%interruption))) call say_why(target, reached)
+      if (.not. (reached%done .or. allocated(reached%interruption))) then
+         reached%is_struck = is_struck(s%candidate)
+         call say_why(target, reached)
+      end if
       reached%statistics = s%candidate%statistics
       call move_alloc(s%candidate%outcome, reached%outcome)
       call take_samples(s%candidate%samples%memory_type, reached%samples)
    end subroutine reach_target
+
+   !> Whether the start without deflections sets off vibrations of a candidate.
+   pure logical function is_struck(candidate)
+      type(candidate_type), intent(in) :: candidate
+      is_struck = .false.
+      if (.not. allocated(candidate%outcome)) return
+      if (allocated(candidate%outcome%indicators)) is_struck = starts_struck(candidate%outcome%indicators%functions)
+   end function is_struck
 
    !> The search itself.
    subroutine search(s, error)

@@ -525,6 +525,10 @@ contains
       culprit = bent_law(scene%system, scene%work, time_of(step, statics%part), statics%q)
       if (culprit == 0) culprit = statics%culprit
       text = '; '//question//break_text(statics%paths, scene%system)
+      associate (speed => statics%balance%rotation)
+         if (abs(speed) > 0.0_wp) text = '; is '//as_text(abs(speed), 4)//' rad/'//scene%system%model%units%time// &
+            & ' a critical speed of the ROTATION, at which its stiffness does not hold it against its centrifugal force?'
+      end associate
       if (culprit > 0) text = '; '//describe_law(scene%system, culprit)//' jumps or bends there: does it hold'// &
          & ' the scene behind that place? Round it off (smoothstep, tanh), or use *DYNAMICS'
    end function law_text
@@ -553,7 +557,7 @@ contains
       character(:), allocatable :: text
       text = ' freely, without a force against it (a free motion, or a dead centre, where the loads have no leverage); add a'// &
          & ' driver, a spring or a joint'
-      if (holds_farther_off(scene, step, part, statics)) text = ' without a stiffness against it: the forces of laws grow only'// &
+      if (holds_farther_off(scene, step, part, statics)) text = ' without a stiffness against it: forces grow only'// &
          & ' farther off, as x**3 does; whether they hold it is not decided there: add a weak spring, or use *DYNAMICS'
       call raise(error, 'nothing holds the scene at t = '//as_text(time_of(step, part), 8)//': '// &
          & motion_text(scene%system, statics%balance%softest)//text)

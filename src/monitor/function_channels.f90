@@ -260,8 +260,8 @@ contains
 
    end function lost_of_channels
 
-   !> Whether a section force goes to zero from the station nearest to an end of a beam to that end, as at a hinge or a free end: the
-   !> value there is zero by equilibrium, that of the station says nothing on it.
+   !> Whether a section force goes to zero from the station nearest to an end of a beam to that end, as at a hinge or a free end:
+   !> the value there is zero by equilibrium, that of the station says nothing on it.
    pure logical function ends_at_zero(exact, at, largest)
       type(exact_type), intent(in) :: exact
       !> Index of the station

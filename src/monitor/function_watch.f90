@@ -10,7 +10,7 @@ module limber_monitor_function_watch
    use limber_beam_force_recovery, only: recovery_type
    use limber_monitor_function_buckling, only: buckling_type, start_buckling, observe_buckling, join_buckling
    use limber_monitor_function_layers, only: layers_type, start_layers, observe_layers, join_layers
-   use limber_monitor_function_sudden, only: sudden_type, start_sudden, observe_sudden, join_sudden, &
+   use limber_monitor_function_sudden, only: sudden_type, start_sudden, observe_sudden, join_sudden, is_struck, &
       & share_that_stays, at_rest
    use limber_monitor_met_ends, only: met_ends_type, start_met_ends, observe_met_ends, join_met_ends
    use limber_model_force_sections, only: recover_stations
@@ -26,7 +26,7 @@ module limber_monitor_function_watch
    implicit none
    private
    public :: function_watch_type, beam_watch_type, start_functions, observe_functions, join_functions
-   public :: lacking_strains, reaction_type, station_of
+   public :: lacking_strains, reaction_type, starts_struck, station_of
 
    !> What is left out of one beam
    type :: beam_watch_type
@@ -243,6 +243,16 @@ contains
          at = minloc(abs(own%reduced%exact%s - own%choice%exact%origin - model%points(point)%p0(1)), dim=1)
       end associate
    end function station_of
+
+   !> Whether the start without deflections sets off vibrations of a beam.
+   pure logical function starts_struck(self)
+      type(function_watch_type), intent(in) :: self
+      integer :: k
+      starts_struck = .false.
+      do k = 1, size(self%beams)
+         starts_struck = starts_struck .or. is_struck(self%beams(k)%sudden)
+      end do
+   end function starts_struck
 
    !> Takes in a state. Kinematics are placed and moved there; Jacobians and multipliers are those of the state.
    subroutine observe_functions(self, system, work, t, q, v, a)

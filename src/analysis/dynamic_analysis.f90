@@ -573,7 +573,7 @@ contains
       !> Carries followed angles on to the state at hand, those of the channels and those that joints and loads depend on.
       subroutine follow_turns(t)
          real(wp), intent(in) :: t
-         call follow_motion(recorder%turns, scene%system, t, sample%q, sample%v)
+         call follow_motion(recorder%turns, scene%system, scene%work%kinematics, t, sample%q, sample%v)
          if (size(scene%work%kinematics%angles) == 0) return
          call place_frames(scene%system%model, scene%system%layout, t, sample%q, scene%work%kinematics)
          call move_frames(scene%system%model, scene%system%layout, sample%q, sample%v, scene%work%kinematics)
@@ -659,8 +659,8 @@ contains
          real(wp), intent(in) :: t
          !> Of a sample, on its side of a break that is within round-off
          real(wp) :: at
-         if (sample%next + 1 < dynamics%outputs .and. .not. sample%local) then
-            if (sample_time(dynamics, sample%next + 2) <= t) call look_between(scene, integrator, recorder, sample, outcome)
+         if (sample%next < dynamics%outputs .and. .not. sample%local) then
+            if (sample_time(dynamics, sample%next + 1) <= t) call look_between(scene, integrator, recorder, sample, outcome)
          end if
          do while (sample%next <= dynamics%outputs .and. sample_time(dynamics, sample%next) <= t)
             at = min(max(sample_time(dynamics, sample%next), since), last)

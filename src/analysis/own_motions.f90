@@ -17,8 +17,8 @@ module limber_analysis_own_motions
    !> Own motion, in units of the length on which errors are judged, that is small, and of a body that is only tied to the ground,
    !> whose speeds are its own; that is none, and the same in units of the tolerance
    real(wp), parameter :: small = 0.05_wp, small_on_ground = 0.01_wp, none = 1.0e-9_wp, nothing = 0.3_wp
-   !> The first steps are all looked at, then one of so many
-   integer, parameter :: first = 16, every = 16
+   !> Steps that are looked at, and how many each look stands for; then one of so many
+   integer, parameter :: first(8) = [1, 2, 3, 4, 6, 8, 12, 16], stands_for(8) = [1, 1, 1, 1, 2, 2, 4, 4], every = 16
 
    !> What is known of each motion
    type :: motions_type
@@ -150,7 +150,7 @@ contains
       type(system_type), intent(in) :: system
       integer :: i
       due = .false.
-      if (self%steps > first .and. mod(self%steps, every) /= 0) return
+      if (.not. any(first == self%steps) .and. mod(self%steps, every) /= 0) return
       do i = 1, size(self%body)
          due = due .or. moves_little(self, system, i)
       end do
@@ -264,8 +264,8 @@ contains
       error = place + speed/max(sqrt(square), damping, 1/max(left, h))
       decay = 0.5_wp*damping
       if (damping**2 > 4*square) decay = square/damping
-      since = h
-      if (self%steps > first) since = every*h
+      since = every*h
+      if (self%steps <= first(size(first))) since = stands_for(findloc(first, self%steps, dim=1))*h
       if (decay*since > 1.0e-6_wp) then
          error = error*(1 - exp(-decay*since))/(decay*h)
       else

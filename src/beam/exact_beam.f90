@@ -19,10 +19,10 @@ module limber_beam_exact_beam
    private
    public :: exact_type, new_exact, reach_of, angles_at
    public :: undeformed_place, lean_at, sum_along, slope_along
-   public :: panel_stations, gauss_place, gauss_weight
+   public :: panel_stations, gauss_place, gauss_weight, integrate_panel, gather_panel
 
-   !> Stations of a panel
-   integer, parameter :: panel_stations = 8
+   !> Stations of a panel, and of half of it
+   integer, parameter :: panel_stations = 8, half_panel = panel_stations/2
    !> Gauss's formula in an interval from -1 to 1
    real(wp), parameter :: gauss_place(panel_stations) = [-0.96028985649753623_wp, -0.79666647741362674_wp, &
       & -0.52553240991632899_wp, -0.18343464249564980_wp, 0.18343464249564980_wp, 0.52553240991632899_wp, &
@@ -45,9 +45,9 @@ module limber_beam_exact_beam
       integer :: stations = 0, points = 0
       !> Coordinates of the stations [length] and their weights [length] (stations); lengths of the panels
       real(wp), allocatable :: s(:), weight(:), panel(:)
-      !> Integrals of Lagrange's polynomials to the stations of a panel of unit half length: of polynomial j to station i (j, i);
-      !> the same with i first
-      real(wp) :: within(panel_stations, panel_stations) = 0.0_wp, along_panel(panel_stations, panel_stations) = 0.0_wp
+      !> Integrals to the stations of the first half of a panel of unit half length: of half the sum and of half the difference of
+      !> Lagrange's polynomials j and 9 - j to station i (i, j); the same with j first
+      real(wp), dimension(half_panel, half_panel) :: even = 0.0_wp, odd = 0.0_wp, even_across = 0.0_wp, odd_across = 0.0_wp
       !> Functions of the angle and of the curvature (angles, stations), of the strain in section axes (2, strains, stations)
       real(wp), allocatable :: psi(:, :), kappa(:, :), chi(:, :, :)
       !> Mass and moment of inertia of the points (points); of concentrated masses their reach (stations, masses)
@@ -152,11 +152,73 @@ contains
          end do
          from = from + exact%panel(p)
       end do
-      do j = 1, panel_stations
-         exact%within(:, j) = inside(gauss_place(j))
-      end do
-      exact%along_panel = transpose(exact%within)
+      call halve_integrals(exact)
    end subroutine place_stations
+
+   !> Integrals to the stations of a panel, which are as much on either side of its middle: half of them is enough.
+   pure subroutine halve_integrals(exact)
+      type(exact_type), intent(inout) :: exact
+      real(wp) :: within(panel_stations)
+      integer :: i, j
+      do i = 1, half_panel
+         within = inside(gauss_place(i))
+         do j = 1, half_panel
+            exact%even(i, j) = 0.5_wp*(within(j) + within(panel_stations + 1 - j))
+            exact%odd(i, j) = 0.5_wp*(within(j) - within(panel_stations + 1 - j))
+         end do
+      end do
+      exact%even_across = transpose(exact%even)
+      exact%odd_across = transpose(exact%odd)
+   end subroutine halve_integrals
+
+   !> Integrals of a field within a panel, from a value at its begin on.
+   pure subroutine integrate_panel(even, odd, field, before, half, integral)
+      !> Of the constants of the beam
+      real(wp), intent(in) :: even(half_panel, half_panel), odd(half_panel, half_panel)
+      real(wp), intent(in) :: field(panel_stations)
+      !> Integral up to the panel, and half the length of the panel
+      real(wp), intent(in) :: before, half
+      real(wp), intent(inout) :: integral(panel_stations)
+      real(wp), dimension(half_panel) :: plus, minus, inner, outer
+      real(wp) :: whole
+      integer :: k
+      do k = 1, half_panel
+         plus(k) = field(k) + field(panel_stations + 1 - k)
+         minus(k) = field(k) - field(panel_stations + 1 - k)
+      end do
+      whole = (gauss_weight(1)*plus(1) + gauss_weight(2)*plus(2)) + (gauss_weight(3)*plus(3) + gauss_weight(4)*plus(4))
+      inner = (even(:, 1)*plus(1) + even(:, 2)*plus(2)) + (even(:, 3)*plus(3) + even(:, 4)*plus(4))
+      outer = (odd(:, 1)*minus(1) + odd(:, 2)*minus(2)) + (odd(:, 3)*minus(3) + odd(:, 4)*minus(4))
+      do k = 1, half_panel
+         integral(k) = before + half*(outer(k) + inner(k))
+         integral(panel_stations + 1 - k) = before + half*(outer(k) + (whole - inner(k)))
+      end do
+   end subroutine integrate_panel
+
+   !> The transpose: what forces at the stations of a panel are for a field at them, with the sum of those beyond.
+   pure subroutine gather_panel(even_across, odd_across, force, beyond, half, pull)
+      !> Of the constants of the beam
+      real(wp), intent(in) :: even_across(half_panel, half_panel), odd_across(half_panel, half_panel)
+      real(wp), intent(in) :: force(panel_stations)
+      !> The sum, and half the length of the panel
+      real(wp), intent(in) :: beyond, half
+      real(wp), intent(inout) :: pull(panel_stations)
+      real(wp), dimension(half_panel) :: plus, minus, inner, outer
+      real(wp) :: behind
+      integer :: k
+      do k = 1, half_panel
+         plus(k) = force(k) + force(panel_stations + 1 - k)
+         minus(k) = force(k) - force(panel_stations + 1 - k)
+      end do
+      behind = beyond + ((force(5) + force(6)) + (force(7) + force(8)))
+      inner = (even_across(:, 1)*minus(1) + even_across(:, 2)*minus(2)) &
+         & + (even_across(:, 3)*minus(3) + even_across(:, 4)*minus(4))
+      outer = (odd_across(:, 1)*plus(1) + odd_across(:, 2)*plus(2)) + (odd_across(:, 3)*plus(3) + odd_across(:, 4)*plus(4))
+      do k = 1, half_panel
+         pull(k) = half*((gauss_weight(k)*behind + inner(k)) + outer(k))
+         pull(panel_stations + 1 - k) = half*((gauss_weight(k)*behind + inner(k)) - outer(k))
+      end do
+   end subroutine gather_panel
 
    !> Ends of panels to both sides of the places of layers; what lies beyond the beam is left out by `sorted`.
    pure function layer_panels(choice, length) result(ends)
@@ -467,17 +529,14 @@ contains
    pure function sum_along(exact, field) result(integral)
       type(exact_type), intent(in) :: exact
       real(wp), intent(in) :: field(:)
-      real(wp) :: integral(exact%stations), before
-      integer :: p, i, first
+      real(wp) :: integral(exact%stations), part(panel_stations), before
+      integer :: p, first
       before = 0.0_wp
       do p = 1, size(exact%panel)
          first = panel_stations*(p - 1)
-         associate (part => field(first + 1:first + panel_stations))
-            do i = 1, panel_stations
-               integral(first + i) = before + 0.5_wp*exact%panel(p)*dot_product(exact%within(:, i), part)
-            end do
-            before = before + 0.5_wp*exact%panel(p)*dot_product(gauss_weight, part)
-         end associate
+         part = field(first + 1:first + panel_stations)
+         call integrate_panel(exact%even, exact%odd, part, before, 0.5_wp*exact%panel(p), integral(first + 1:))
+         before = before + 0.5_wp*exact%panel(p)*dot_product(gauss_weight, part)
       end do
    end function sum_along
 

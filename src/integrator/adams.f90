@@ -547,7 +547,7 @@ contains
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       real(wp), intent(in) :: t
-      real(wp), intent(inout) :: q(:), v(:)
+      real(wp), contiguous, intent(inout) :: q(:), v(:)
       if (.not. self%whole .and. abs(t - self%t) > 0.0_wp) call place_known(system, work, t, q, v)
    end subroutine adams_complete
 

@@ -136,7 +136,7 @@ contains
       !> The time of `interpolate`
       real(wp), intent(in) :: t
       !> Coordinates and velocities (nq)
-      real(wp), intent(inout) :: q(:), v(:)
+      real(wp), contiguous, intent(inout) :: q(:), v(:)
    end subroutine complete_nothing
 
    !> Of an integrator without accelerations that are better than those of its states.

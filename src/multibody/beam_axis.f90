@@ -10,7 +10,7 @@ module limber_multibody_beam_axis
    use limber_base_kinds, only: wp
    use limber_base_sines, only: take_sines
    use limber_base_snapshot, only: snapshot_type
-   use limber_beam_exact_beam, only: exact_type, panel_stations, gauss_weight
+   use limber_beam_exact_beam, only: exact_type, panel_stations, gauss_weight, integrate_panel, gather_panel
    use limber_multibody_plane_vectors, only: turn, along, cross
    implicit none
    private
@@ -243,7 +243,7 @@ contains
          do p = 1, size(self%panel)
             first = panel_stations*(p - 1)
             half = 0.5_wp*self%panel(p)
-            call integrate_panel(self%along_panel, field(first + 1:, i), before, half, integral(first + 1:, i))
+            call integrate_panel(self%even, self%odd, field(first + 1:, i), before, half, integral(first + 1:, i))
             if (p < size(self%panel)) before = before + half*inner(panel_stations, gauss_weight, field(first + 1:, i))
          end do
          do j = 1, self%points - self%stations
@@ -251,19 +251,6 @@ contains
          end do
       end do
    end subroutine integrate
-
-   !> Integrals within a panel.
-   pure subroutine integrate_panel(share, field, before, half, integral)
-      !> Integrals of Lagrange's polynomials: of polynomial j to station i (i, j)
-      real(wp), intent(in) :: share(panel_stations, panel_stations), field(panel_stations)
-      !> Integral up to the panel, and half the length of the panel
-      real(wp), intent(in) :: before, half
-      real(wp), intent(inout) :: integral(panel_stations)
-      associate (w => share, f => field)
-         integral = before + half*(((w(:, 1)*f(1) + w(:, 2)*f(2)) + (w(:, 3)*f(3) + w(:, 4)*f(4))) &
-            & + ((w(:, 5)*f(5) + w(:, 6)*f(6)) + (w(:, 7)*f(7) + w(:, 8)*f(8))))
-      end associate
-   end subroutine integrate_panel
 
    !> Sum of products, in four parts that are independent of one another.
    pure real(wp) function inner(n, a, b)
@@ -310,7 +297,7 @@ contains
          do p = size(self%panel), 1, -1
             first = panel_stations*(p - 1)
             half = 0.5_wp*self%panel(p)
-            call gather_panel(self%within, force(first + 1:, i), beyond, half, pull(first + 1:, i))
+            call gather_panel(self%even_across, self%odd_across, force(first + 1:, i), beyond, half, pull(first + 1:, i))
             beyond = beyond + total(force(first + 1:, i))
          end do
          do j = 1, self%points - self%stations
@@ -319,19 +306,6 @@ contains
          if (self%shifted) pull(:, i) = pull(:, i) - self%base*beyond
       end do
    end subroutine gather
-
-   !> The part of a panel: forces within it, and the sum of those beyond.
-   pure subroutine gather_panel(share, force, beyond, half, pull)
-      !> Integrals of Lagrange's polynomials: of polynomial j to station i (j, i)
-      real(wp), intent(in) :: share(panel_stations, panel_stations), force(panel_stations)
-      !> The sum, and half the length of the panel
-      real(wp), intent(in) :: beyond, half
-      real(wp), intent(inout) :: pull(panel_stations)
-      associate (w => share, f => force)
-         pull = half*(gauss_weight*beyond + (((w(:, 1)*f(1) + w(:, 2)*f(2)) + (w(:, 3)*f(3) + w(:, 4)*f(4))) &
-            & + ((w(:, 5)*f(5) + w(:, 6)*f(6)) + (w(:, 7)*f(7) + w(:, 8)*f(8)))))
-      end associate
-   end subroutine gather_panel
 
    !> Sum over the stations of a panel, in parts that are independent of one another.
    pure real(wp) function total(f)

@@ -106,8 +106,13 @@ contains
    pure subroutine add_panel(reach, g, p)
       real(wp), intent(in) :: reach(panel_stations), g(panel_stations, 2)
       real(wp), intent(inout) :: p(2)
-      p(1) = p(1) + sum(reach*g(:, 1))
-      p(2) = p(2) + sum(reach*g(:, 2))
+      !> In four parts that are independent of one another
+      real(wp) :: part(4)
+      integer :: i
+      do i = 1, 2
+         part = reach(1:4)*g(1:4, i) + reach(5:8)*g(5:8, i)
+         p(i) = p(i) + ((part(1) + part(2)) + (part(3) + part(4)))
+      end do
    end subroutine add_panel
 
    !> Place with a reach, and its velocity and acceleration, in the axes of the frame, without a centreline.

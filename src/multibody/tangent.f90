@@ -240,9 +240,9 @@ contains
    !> Adds a block to the entries of a matrix of this pattern.
    pure subroutine add_block(place, block, entries)
       !> Index of each entry of the block among all (rows, columns)
-      integer, intent(in) :: place(:, :)
-      real(wp), intent(in) :: block(:, :)
-      real(wp), intent(inout) :: entries(:)
+      integer, contiguous, intent(in) :: place(:, :)
+      real(wp), contiguous, intent(in) :: block(:, :)
+      real(wp), contiguous, intent(inout) :: entries(:)
       integer :: row, column
       do column = 1, size(block, 2)
          do row = 1, size(block, 1)

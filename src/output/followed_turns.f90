@@ -81,9 +81,11 @@ contains
    end subroutine follow_places
 
    !> Carries the angles on to the end of a step of a motion; the first call takes its start.
-   subroutine follow_motion(turns, system, t, q, v)
+   subroutine follow_motion(turns, system, kinematics, t, q, v)
       type(turns_type), intent(inout) :: turns
       type(system_type), intent(in) :: system
+      !> Placed at the time, or at another
+      type(kinematics_type), intent(in) :: kinematics
       !> Time; coordinates and velocities (nq)
       real(wp), intent(in) :: t, q(:), v(:)
       real(wp) :: spin, expected
@@ -94,9 +96,14 @@ contains
          spin = cross(q(first:first + 1), v(first:first + 1))
          expected = turns%angle(body)
          if (turns%moving) expected = expected + 0.5_wp*(t - turns%time)*(turns%spin(body) + spin)
+         if (turns%drivers(body) > 0 .and. .not. abs(kinematics%time - t) > 0.0_wp) then
+            expected = kinematics%drives(turns%drivers(body))%value
+         else
+            expected = driven_or(turns, system, body, t, expected)
+         end if
          turns%before(body) = turns%angle(body)
          turns%spin_before(body) = turns%spin(body)
-         turns%angle(body) = angle_near(driven_or(turns, system, body, t, expected), q(first:))
+         turns%angle(body) = angle_near(expected, q(first:))
          turns%spin(body) = spin
       end do
       turns%time_before = merge(turns%time, t, turns%moving)

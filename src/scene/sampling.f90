@@ -8,6 +8,7 @@ module limber_scene_sampling
    use limber_scene_joint_check, only: check_joints
    use limber_scene_outcome, only: outcome_type, warn, allowed_imbalance, passing_scale
    use limber_scene_scene, only: scene_type
+   use limber_integrator_implicit, only: implicit_type
    use limber_integrator_integrator, only: integrator_type
    use limber_model_model, only: dynamics_type, ground
    use limber_output_channel_values, only: recorder_type, channel_values
@@ -178,8 +179,7 @@ contains
          end if
          call integrator%interpolate_accelerations(t, sample%rates, pace)
          if (.not. pace > 0.0_wp .and. .not. t < integrator%t) return
-         ! What a restart finds must not depend on samples before
-         call sample%held%tangent%matrix%release_factors()
+         call start_factors(integrator, sample%held)
          sample%change = sample%q
          if (pace > 0.0_wp) then
             call balance_passed(system, work, sample%held, t, sample%change, sample%v, sample%rates, pace, moved)
@@ -200,6 +200,18 @@ contains
       type(sample_type), intent(inout) :: sample
       if (allocated(sample%held)) deallocate (sample%held, sample%rates)
    end subroutine forget_system
+
+   !> Forgets the factors of the samples before, which a restart does not have: those of this one begin with the pivots of the
+   !> integrator's own.
+   subroutine start_factors(integrator, held)
+      class(integrator_type), intent(in) :: integrator
+      type(driven_motion_type), intent(inout) :: held
+      call held%tangent%matrix%release_factors()
+      select type (integrator)
+      class is (implicit_type)
+         call held%tangent%matrix%follow_pivots(integrator%tangent%matrix)
+      end select
+   end subroutine start_factors
 
    !> Whether a scene has something that bends, or loads that resist places.
    pure logical function is_elastic(system)
@@ -257,7 +269,7 @@ contains
    pure real(wp) function may_stay(tolerance)
       !> Of the integrator
       real(wp), intent(in) :: tolerance
-      real(wp), parameter :: part = 1.0e-4_wp
+      real(wp), parameter :: part = 1.0e-2_wp
       may_stay = part*tolerance
    end function may_stay
 

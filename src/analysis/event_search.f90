@@ -1,7 +1,6 @@
 !> Search for events within a step: scalars of the motion that cross zero. Bounds of each scalar along the dense output leave out
-!> the
-!> parts of a step without a crossing; what is left is halved, up to the first crossing. Floor: analysis. Source: doc/theory, eq.
-!> (5.72).
+!> the parts of a step without a crossing; what is left is halved, up to the first crossing. A scalar is on the other side only
+!> beyond a doubt far below the error of the run. Floor: analysis. Source: doc/theory, eq. (5.72).
 module limber_analysis_event_search
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
@@ -19,6 +18,9 @@ module limber_analysis_event_search
    integer, parameter :: deepest = 60, most_looks = 400
    !> Parts of a step: in which crossings count as one instant; below which one without a change of sign is none
    real(wp), parameter :: together = 1.0e-12_wp, none = 1.0e-7_wp
+   !> Error of a place by round-off, and of the dense output, relative to what it is computed from; part of the tolerance within
+   !> which a scalar has not crossed zero yet
+   real(wp), parameter :: few = 8*epsilon(1.0_wp), noise = 64*epsilon(1.0_wp), doubted = 1.0e-4_wp
 
    !> A crossing that was found
    type :: event_crossing_type
@@ -37,6 +39,9 @@ module limber_analysis_event_search
       logical, allocatable :: coarse(:)
       !> Whether none of its crossings count, for its switch is in the state that it would turn it to (events)
       logical, allocatable :: without(:)
+      !> Whether it has crossed in this step, and whether the search goes on behind a crossing (events)
+      logical, allocatable, private :: crossed(:)
+      logical, private :: behind = .false.
       !> State at the start of the step, and the work put in up to there
       real(wp) :: t = 0.0_wp, w = 0.0_wp
       real(wp), allocatable :: q(:), v(:)
@@ -77,6 +82,7 @@ contains
       allocate (self%side(n), source=0)
       allocate (self%coarse(n), source=.false.)
       allocate (self%without(n), source=.true.)
+      allocate (self%crossed(n), source=.false.)
       if (n == 0) return
       allocate (self%halves(deepest))
       call new_moment(n, self%from)
@@ -95,7 +101,6 @@ contains
    subroutine choose_events(self, system)
       type(event_search_type), intent(inout) :: self
       type(system_type), intent(in) :: system
-      real(wp), parameter :: few = 8*epsilon(1.0_wp)
       logical :: before
       integer :: i
       do i = 1, size(self%side)
@@ -133,6 +138,8 @@ contains
       self%w = w
       self%unresolved = 0
       self%grazing = 0
+      self%crossed = .false.
+      self%behind = .false.
       call read_state(system, work, t, self%q, self%v, self%from)
    end subroutine begin_step
 
@@ -148,15 +155,15 @@ contains
       integer :: i
       self%looks = 0
       self%h = last - self%t
-      if (.not. last > self%from%t) then
-         ! No time is left: what crosses at the same instant is there
+      if (self%behind) then
+         ! What else has crossed up to this instant
          do i = 1, size(self%side)
-            if (self%without(i) .or. self%side(i)*self%from%force(i) >= 0.0_wp) cycle
+            if (self%without(i) .or. self%crossed(i) .or. self%side(i)*self%from%force(i) >= 0.0_wp) cycle
             crossing = event_crossing_type(.true., i, -self%side(i), self%from%t)
             return
          end do
-         return
       end if
+      if (.not. last > self%from%t) return
       call look(self, system, work, integrator, last, self%to)
       call search(self, system, work, integrator, self%from, self%to, 1, crossing)
    end subroutine find_first
@@ -169,6 +176,8 @@ contains
       class(integrator_type), intent(inout) :: integrator
       type(event_crossing_type), intent(in) :: crossing
       self%side(crossing%event) = crossing%direction
+      self%crossed(crossing%event) = .true.
+      self%behind = .true.
       call look(self, system, work, integrator, crossing%t, self%from)
    end subroutine pass_crossing
 
@@ -180,6 +189,28 @@ contains
          if (self%side(i) == 0) self%side(i) = side_of(self%to%force(i))
       end do
    end subroutine end_step
+
+   !> Whether a scalar is on the other side of zero without a doubt.
+   logical function is_beyond(self, system, moment, event)
+      type(event_search_type), intent(in) :: self
+      type(system_type), intent(in) :: system
+      type(moment_type), intent(in) :: moment
+      !> Its index
+      integer, intent(in) :: event
+      is_beyond = self%side(event)*moment%force(event) < 0.0_wp
+      if (is_beyond) is_beyond = is_clear(self, system, moment, event)
+   end function is_beyond
+
+   !> Whether a scalar is on one side of zero without a doubt.
+   logical function is_clear(self, system, moment, event)
+      type(event_search_type), intent(in) :: self
+      type(system_type), intent(in) :: system
+      type(moment_type), intent(in) :: moment
+      !> Its index
+      integer, intent(in) :: event
+      is_clear = abs(moment%force(event)) > law_doubt(system%events(event), system%model%length, moment, event, &
+         & max(noise, doubted*self%tolerance))
+   end function is_clear
 
    !> Reads the scalars at a time of the dense output.
    subroutine look(self, system, work, integrator, t, moment)
@@ -230,7 +261,7 @@ contains
       open = 0
       do i = 1, size(self%side)
          if (self%side(i) == 0 .or. self%without(i)) cycle
-         if (self%side(i)*b%force(i) < 0.0_wp) then
+         if (is_beyond(self, system, b, i)) then
             crossed = i
             open = open + 1
          else if (.not. self%coarse(i)) then
@@ -299,6 +330,7 @@ contains
       f_behind = b%force(event)
       side = self%side(event)
       kept = 0
+      if (.not. is_clear(self, system, a, event)) call leave_zero()
       do round = 1, rounds
          if (behind - before <= 2*spacing(behind)) exit
          t = before + 0.5_wp*(behind - before)
@@ -323,6 +355,35 @@ contains
          end if
       end do
       crossing = event_crossing_type(.true., event, -side, behind)
+
+   contains
+
+      !> Right behind a crossing the scalar is zero but for round-off: goes on to where it is on its side.
+      subroutine leave_zero()
+         do round = 1, rounds
+            if (behind - before <= 2*spacing(behind)) exit
+            t = before + 0.5_wp*(behind - before)
+            call look(self, system, work, integrator, t, self%between)
+            f = self%between%force(event)
+            if (side*f > 0.0_wp .and. is_clear(self, system, self%between, event)) then
+               before = t
+               f_before = f
+               return
+            else if (is_beyond(self, system, self%between, event) .or. side*self%between%slope(event) < 0.0_wp) then
+               behind = t
+               f_behind = f
+            else
+               before = t
+               f_before = f
+            end if
+         end do
+         ! It is on neither side before the end
+         before = a%t
+         behind = b%t
+         f_before = a%force(event)
+         f_behind = b%force(event)
+      end subroutine leave_zero
+
    end subroutine polish
 
    !> Saves or restores the sides.
@@ -330,7 +391,8 @@ contains
       class(event_search_type), intent(inout) :: self
       type(snapshot_type), intent(inout) :: snapshot
       integer :: i
-      ! Not saved: t, w, q, v, unresolved, grazing, grazed, from, to, between, halves, trial_q, trial_v, looks, h, tolerance
+      ! Not saved: t, w, q, v, crossed, behind, unresolved, grazing, grazed, from, to, between, halves, trial_q, trial_v, looks, h
+      ! Not saved: tolerance
       call snapshot%exchange('sides', self%side)
       do i = 1, size(self%coarse)
          call snapshot%exchange('coarse', self%coarse(i))

@@ -71,8 +71,7 @@ contains
    end subroutine begin_events
 
    !> Notes the events within the last step, up to one that ends the motion: there the step is cut. An integrator whose promise
-   !> holds
-   !> at the ends of its steps does the step again, up to there.
+   !> holds at the ends of its steps does the step again, up to there.
    subroutine pass_events(self, scene, integrator, recorder, sample, near, t, action, again, outcome, error)
       type(events_type), intent(inout) :: self
       type(scene_type), intent(inout) :: scene

@@ -269,7 +269,7 @@ contains
    pure real(wp) function may_stay(tolerance)
       !> Of the integrator
       real(wp), intent(in) :: tolerance
-      real(wp), parameter :: part = 1.0e-2_wp
+      real(wp), parameter :: part = 1.0e-4_wp
       may_stay = part*tolerance
    end function may_stay
 

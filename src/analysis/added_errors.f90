@@ -4,6 +4,7 @@ module limber_analysis_added_errors
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
    use limber_analysis_crossings, only: crossings_type, found_bend, found_jump
+   use limber_analysis_turned_springs, only: turned_springs_type, start_springs, note_springs, springs_warning
    use limber_analysis_own_motions, only: motions_type, start_motions, note_place, is_due, note_errors, motion_warning
    use limber_analysis_passing_errors, only: passages_type, start_passages, note_rates, looks_at, note_passage, count_passage, &
       & passing_warning
@@ -24,6 +25,7 @@ module limber_analysis_added_errors
       type(defect_type) :: defect
       type(passages_type) :: passages
       type(motions_type) :: motions
+      type(turned_springs_type) :: springs
    contains
       procedure :: exchange => exchange_added
    end type added_errors_type
@@ -31,13 +33,15 @@ module limber_analysis_added_errors
 contains
 
    !> Begins a run.
-   subroutine start_added(self, system, crossings, t, q, v)
+   subroutine start_added(self, system, work, crossings, t, q, v)
       type(added_errors_type), intent(out) :: self
       type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
       type(crossings_type), intent(in) :: crossings
       !> First state (nq)
       real(wp), intent(in) :: t, q(:), v(:)
       call start_motions(self%motions, system, q)
+      call start_springs(self%springs, system, work, t, q, v)
       self%wanted = size(crossings%loads) > 0 .or. size(self%motions%body) > 0
       if (.not. self%wanted) return
       call new_defect(self%defect, system)
@@ -65,6 +69,7 @@ contains
       real(wp), intent(inout) :: q(:), v(:)
       real(wp) :: put_in
       logical :: passes, small, found
+      if (size(self%springs%loads) > 0) call note_springs(self%springs, system, work, t, q, v)
       if (.not. self%wanted) return
       call note_place(self%motions, system, q)
       passes = looks_at(self%passages, crossings)
@@ -93,6 +98,7 @@ contains
       type(outcome_type), intent(inout) :: outcome
       if (size(crossings%loads) > 0) call tell(outcome, passing_warning(self%passages, system, crossings, dynamics))
       call tell(outcome, motion_warning(self%motions, system, dynamics))
+      call tell(outcome, springs_warning(self%springs, system))
    end subroutine tell_passages
 
    !> Tells at the end of a run of errors of its motion.
@@ -128,6 +134,7 @@ contains
       call snapshot%keep('added_v', self%defect%v)
       call self%passages%exchange(snapshot)
       call self%motions%exchange(snapshot)
+      call self%springs%exchange(snapshot)
       ! Not saved: wanted
    end subroutine exchange_added
 

@@ -332,10 +332,12 @@ contains
       integer, intent(inout) :: left_out
       type(error_type), allocatable, intent(out) :: error
       real(wp), allocatable :: responses(:, :, :)
+      real(wp) :: lost
+      lost = 0.0_wp
       if (size(acting) == 0) return
       allocate (responses(3, size(frame%place, 2), size(acting)))
       call static_responses(frame, solver, attachment_loads(frame, acting), responses)
-      call add_functions(frame, responses, .false., shape, omega2, left_out, error)
+      call add_functions(frame, responses, .false., shape, omega2, left_out, lost, error)
    end subroutine add_responses
 
    !> How many of the lowest `wanted` values of two ascending lists stand in the first.

@@ -112,7 +112,7 @@ contains
    end subroutine held_rows
 
    !> Reduces a frame.
-   subroutine reduce_frame(frame, choice, body, shape, error, note, cut)
+   subroutine reduce_frame(frame, choice, body, shape, error, note, cut, lost)
       type(frame_type), intent(in) :: frame
       type(frame_choice_type), intent(in) :: choice
       !> Constants for the time loop
@@ -125,12 +125,15 @@ contains
       character(:), allocatable, intent(out), optional :: note
       !> Whether the first mode that is left out has the frequency of the last one that is not
       logical, intent(out), optional :: cut
+      !> Largest part of the strain energy of a response that is lost, as the modes leave no mass for it
+      real(wp), intent(out), optional :: lost
       type(solver_type) :: solver
       real(wp), parameter :: equal = 1.0e-7_wp
       real(wp), allocatable :: omega2(:), functions(:, :, :), load(:, :, :)
-      real(wp) :: next
+      real(wp) :: next, part
       integer :: i, left_out
       left_out = 0
+      part = 0.0_wp
       if (present(cut)) cut = .false.
       call vibration_modes(frame, choice, shape, omega2, next, error)
       if (allocated(error)) return
@@ -143,13 +146,14 @@ contains
             call remove_motion(frame, solver, shape(:, :, i))
          end do
          call constraint_functions(frame, solver, load, functions)
-         call add_functions(frame, functions, .true., shape, omega2, left_out, error)
+         call add_functions(frame, functions, .true., shape, omega2, left_out, part, error)
          if (allocated(error)) return
          deallocate (functions)
       end if
       call static_functions(frame, choice, functions, error)
       if (allocated(error)) return
-      if (size(functions, 3) > 0) call add_functions(frame, functions, size(load, 3) > 0, shape, omega2, left_out, error)
+      if (size(functions, 3) > 0) call add_functions(frame, functions, size(load, 3) > 0, shape, omega2, left_out, part, error)
+      if (present(lost)) lost = part
       if (allocated(error)) return
       if (present(note)) note = left_out_note(left_out, '')
       call start_inertia(body, size(omega2))

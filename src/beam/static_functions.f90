@@ -88,7 +88,7 @@ contains
    !> Adds functions to the modes, eqs. (2.20), (2.21): orthonormal in the mass, to the modes as well, and diagonal in the
    !> stiffness. Those that depend on others are left out. If they differ by displacements without mass the others take these as
    !> they please, eq. (2.21).
-   subroutine add_functions(frame, functions, whole, shape, omega2, left_out, error)
+   subroutine add_functions(frame, functions, whole, shape, omega2, left_out, lost, error)
       type(frame_type), intent(in) :: frame
       !> (3, nodes, number)
       real(wp), intent(in) :: functions(:, :, :)
@@ -98,6 +98,8 @@ contains
       real(wp), allocatable, intent(inout) :: shape(:, :, :), omega2(:)
       !> Increased by the number of functions that depend on others; those without any displacement do not count
       integer, intent(inout) :: left_out
+      !> Raised to the largest part of the strain energy of a function that is lost with it, as nothing of its own has mass
+      real(wp), intent(inout) :: lost
       type(error_type), allocatable, intent(out) :: error
       real(wp), allocatable :: own(:, :, :), all(:, :, :), value(:), massless(:, :, :)
       real(wp) :: norm, energy
@@ -114,7 +116,10 @@ contains
          if (.not. maxval(abs(own(:, :, kept + 1))) > 0.0_wp) cycle
          norm = sqrt(sum(frame%mass*own(:, :, kept + 1)**2))
          left_out = left_out + 1
-         if (.not. norm > 0.0_wp) cycle
+         if (.not. norm > 0.0_wp) then
+            if (strain_energy(frame, own(:, :, kept + 1), own(:, :, kept + 1)) > 0.0_wp) lost = 1.0_wp
+            cycle
+         end if
          own(:, :, kept + 1) = own(:, :, kept + 1)/norm
          energy = strain_energy(frame, own(:, :, kept + 1), own(:, :, kept + 1))
          do pass = 1, 2
@@ -125,6 +130,7 @@ contains
          norm = sqrt(sum(frame%mass*own(:, :, kept + 1)**2))
          if (norm < new_part) then
             if (whole) call keep_idle(frame, own(:, :, kept + 1), energy, massless, idle)
+            if (.not. whole) lost = max(lost, strain_energy(frame, own(:, :, kept + 1), own(:, :, kept + 1))/energy)
             cycle
          end if
          left_out = left_out - 1

@@ -27,6 +27,8 @@ module limber_model_frames
    integer, parameter :: max_elements = 20000
    !> Default number of modes: for each member, at least, at most
    integer, parameter :: modes_of_member = 3, least_modes = 6, most_modes = 24
+   !> Part of the strain energy of a response that may be lost
+   real(wp), parameter :: little = 1.0e-3_wp
 
 contains
 
@@ -53,12 +55,12 @@ contains
       usable = usable .and. diagnostics%count == before
       cut = .false.
       if (usable .and. deck%blocks(index)%word('GEOMETRIC') /= 'RIGID') then
-         call reduce_frame(body%mesh, body%frame_choice, body%reduced, body%shape, error, body%note, cut)
+         call reduce_frame(body%mesh, body%frame_choice, body%reduced, body%shape, error, body%note, cut, body%lost)
          ! Without a number in the deck, all modes of equal frequency are kept
          if (cut .and. .not. (deck%blocks(index)%given('MODES') .or. deck%blocks(index)%given('FREQUENCY LIMIT'))) then
             body%frame_choice%modes = body%frame_choice%modes + 1
             deallocate (body%shape)
-            call reduce_frame(body%mesh, body%frame_choice, body%reduced, body%shape, error, body%note, cut)
+            call reduce_frame(body%mesh, body%frame_choice, body%reduced, body%shape, error, body%note, cut, body%lost)
             call deck%set_number(index, 'MODES', real(body%frame_choice%modes, wp))
          end if
          if (allocated(error)) call diagnostics%add(deck%blocks(index)%origin, "frame '"//body%name//"': "//error%message)
@@ -75,6 +77,11 @@ contains
       end if
       if (usable .and. allocated(body%shape)) call warn_of_rounding(extent(draft%place(:, :size(draft%node)))/ &
          & minval(body%mesh%length), deck%blocks(index)%origin_of('DIVISIONS'), "frame '"//body%name//"'", diagnostics)
+      if (body%lost > little .and. diagnostics%count == before) call diagnostics%warn(deck%blocks(index)%origin_of( &
+         & trim(merge('MODES    ', 'DIVISIONS', deck%blocks(index)%given('MODES')))), "frame '"//body%name//"': its "// &
+         & as_text(body%frame_choice%modes)//' modes leave no mass in the nodes for responses to its joints and loads: '// &
+         & as_text(100*body%lost, 2)//' % of the strain energy of one is missing, and the frame is too stiff by up to that', &
+         & 'use fewer MODES, or more DIVISIONS')
       if (cut .and. diagnostics%count == before) call diagnostics%warn(deck%blocks(index)%origin_of('MODES'), "frame '"// &
          & body%name//"': modes of one frequency are divided: it is chance which of them are left out, and with them what the"// &
          & ' frame answers to', 'use more MODES=, or fewer, until all of that frequency are in or out')

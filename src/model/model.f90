@@ -113,6 +113,8 @@ module limber_model_model
       type(displacement_field_type) :: field
       !> Text on dependent functions that were left out of the basis; empty if there were none
       character(:), allocatable :: note
+      !> Of a frame: largest part of the strain energy of a response that is lost, as its modes leave no mass for it
+      real(wp) :: lost = 0.0_wp
       !> Damping ratios of the body's modes under its supports (n), allocated if a ratio or the mass factor is not zero; Rayleigh
       !> factors of mass [1/time] and of stiffness [time]
       real(wp), allocatable :: ratio(:)

@@ -224,8 +224,8 @@ contains
       call run_words('verification/watch_beam.inp', 'pull = 0 > pull = 49.348; push = 0 > push = 0.01; LENGTH=1 > LENGTH=1,'// &
          & ' CORRECTIONS=YES; '//channels, reader)
       allocate (shear, source=channel(reader, 'v'))
-      call check(abs(abs(shear(size(shear)))/0.01_wp - 1) > 0.05_wp, 'the shear force of a stretched cantilever is wrong')
-      call check_warning(reader, 'shear forces there err by about', 'a stretched cantilever')
+      call check_close(abs(shear(size(shear)))/0.01_wp, 1.0_wp, 5.0e-3_wp, 'the shear force of a stretched cantilever')
+      call check_warning(reader, '', 'a stretched cantilever')
       call reader%close()
    end subroutine check_ends
 
@@ -515,7 +515,7 @@ contains
       real(wp) :: pull
       do i = 1, 4
          pull = 100.0_wp*10.0_wp**(i - 2)
-         call judge_pulled(pull, '', trim(merge(cause, repeat(' ', len(cause)), i > 1)))
+         call judge_pulled(pull, '', trim(merge(cause, repeat(' ', len(cause)), i > 2)))
          call judge_pulled(pull, 'm = bending_moment(f.a) > m = 0-moment(w)', trim(merge(cause, repeat(' ', len(cause)), i > 2)))
          if (i < 3) call judge_pulled(pull, 'SECTION=bar > SECTION=bar, LARGE=YES', '')
       end do

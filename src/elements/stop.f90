@@ -38,7 +38,7 @@ module limber_elements_stop
       & option_spec_type('STOP', 'EXPONENT', kind_positive, '', '', '1', &
       &    'power of the depth beyond the limit, 1 at least; 1.5: balls, cylinders (Hertz)'), &
       & option_spec_type('STOP', 'DAMPING', kind_nonnegative, '', 's/m, s/rad', '0', &
-      &    'the force grows by this part for each unit of speed into the stop, and never pulls back (Hunt and Crossley)')]
+      &    'grows the force by this part per speed into the stop (Hunt and Crossley); its energy then counts as work')]
    !> Fields of its data lines
    type(field_spec_type), parameter :: fields(*) = [ &
       & field_spec_type('STOP', 'first point', kind_point, '', &
@@ -141,8 +141,7 @@ contains
    end function origin
 
    !> The force along the scalar, by its elongation x from the first limit and its rate v: zero between the limits, and never
-   !> towards
-   !> the stop.
+   !> towards the stop.
    subroutine write_law(block, law, diagnostics)
       type(block_type), intent(in) :: block
       type(expression_type), intent(out) :: law

@@ -241,8 +241,8 @@ contains
       end do
    end subroutine check_massless
 
-   !> A damped cantilever under a force that comes fast: its moment at the weld, up to 12 N m, is that of the joint, for each kind of
-   !> damping, as a frame and as beams with modes.
+   !> A damped cantilever under a force that comes fast: its moment at the weld, up to 12 N m, is that of the joint, for each kind
+   !> of damping, as a frame and as beams with modes.
    subroutine check_damped()
       character(*), parameter :: dampings(3) = [character(22) :: 'RAYLEIGH BETA=0.01', 'RAYLEIGH ALPHA=200', 'RATIO=0.1'], &
          & frame = '*FRAME, NAME=f, MATERIAL=m, SECTION=s'//nl//' a, 1, 0'//nl//' e, 1, 1'//nl//'*NODE'//nl//' 1, 0, 0'//nl// &
@@ -257,7 +257,8 @@ contains
             if (i > 1) body = beam//trim(merge('K_G   ', 'LINEAR', i == 2))//nl//' a, 0'//nl//' e, 1'//nl
             difference = channel_of('*MATERIAL, NAME=m, YOUNG=2e11, DENSITY=7800'//nl// &
                & '*SECTION, NAME=s, SHAPE=RECTANGLE, WIDTH=0.02, HEIGHT=0.02'//nl//body// &
-               & '*DAMPING, BODY=f, '//trim(dampings(k))//nl//'*JOINT, NAME=j, TYPE=WELD'//nl//' f.a, ground.origin'//nl//'*FORCE, NAME=p, POINT=f.e'//nl// &
+               & '*DAMPING, BODY=f, '//trim(dampings(k))//nl//'*JOINT, NAME=j, TYPE=WELD'//nl//' f.a, ground.origin'//nl// &
+               & '*FORCE, NAME=p, POINT=f.e'//nl// &
                & ' 0, 10*smoothstep(t/0.012)'//nl//'*DYNAMICS, END=0.06, OUTPUTS=60, TOLERANCE=1e-8'//nl//'*OUTPUT'//nl// &
                & ' c = bending_moment(f.a) + moment(j)'//nl)
             print '(a,i2,2a,es10.2)', 'damped ', i, ' ', dampings(k), maxval(abs(difference))

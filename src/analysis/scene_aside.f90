@@ -2,6 +2,7 @@
 !> analysis. Source: doc/theory, eq. (7.49).
 module limber_analysis_scene_aside
    use limber_base_kinds, only: wp
+   use limber_beam_static_functions, only: may_be_lost
    use limber_base_error, only: error_type
    use limber_analysis_richer_scene, only: richer_deck, can_enrich, project_coordinates, nothing_more
    use limber_scene_first_scene, only: build_scene
@@ -15,8 +16,6 @@ module limber_analysis_scene_aside
 
    !> Coordinates of a scene up to which each body gets as many modes as are wanted; a few in any case
    integer, parameter :: many = 600, few = 3
-   !> Part of the strain energy of a response that may be lost
-   real(wp), parameter :: little = 1.0e-3_wp
 
    !> The scene with more coordinates. `class`: the compiler then frees and copies a scene by one procedure, instead of writing that
    !> out wherever an object with a scene is made
@@ -54,7 +53,7 @@ contains
       if (done) done = aside%scene%system%nc == scene%system%nc .and. &
          & size(aside%scene%system%loads) == size(scene%system%loads)
       ! More modes of a frame may leave no mass for its responses: then there is less to it
-      if (done) done = all(aside%scene%system%model%bodies%lost <= max(scene%system%model%bodies%lost, little))
+      if (done) done = all(aside%scene%system%model%bodies%lost <= max(scene%system%model%bodies%lost, may_be_lost))
       if (done) call new_equilibrium(aside%scene%system, aside%balance)
    end subroutine build_aside
 

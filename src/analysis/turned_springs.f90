@@ -5,6 +5,7 @@ module limber_analysis_turned_springs
    use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: as_text
    use limber_multibody_kinematics, only: place_frames, move_frames
+   use limber_multibody_motion_laws, only: name_of_load
    use limber_multibody_springs, only: point_spring_type
    use limber_multibody_system, only: system_type, workspace_type
    implicit none
@@ -116,15 +117,9 @@ contains
       type(turned_springs_type), intent(in) :: self
       type(system_type), intent(in) :: system
       character(:), allocatable :: text
-      integer :: i
       text = ''
       if (self%turned == 0) return
-      text = 'a spring'
-      do i = 1, size(system%model%loads)
-         associate (named => system%model%loads(i))
-            if (self%turned >= named%first .and. self%turned <= named%last) text = "spring '"//named%name//"'"
-         end associate
-      end do
+      text = 'spring '//name_of_load(system, self%turned)
       text = text//' passes through zero length and comes back within a step, at t = '// &
          & as_text(self%time, 6)//': its force turns round there, which the step does not see, and the motion behind is not'// &
          & ' known; use INTEGRATOR=CONSERVING, or a MAXIMUM STEP far below '//as_text(self%step, 2)//' '// &

@@ -14,6 +14,9 @@ module limber_beam_static_functions
    private
    public :: attachment_type, attachment_loads, static_responses, constraint_functions, add_functions, left_out_note
 
+   !> Part of the strain energy of a function that may be lost with it
+   real(wp), parameter, public :: may_be_lost = 1.0e-3_wp
+
    !> Least part of a function, in the mass norm, that those before it must not have for it to be kept
    real(wp), parameter :: new_part = 1.0e-7_wp
 

@@ -8,7 +8,7 @@ module limber_model_frames
    use limber_beam_plane_frame, only: frame_type, acted_type, new_frame, member_length
    use limber_beam_frame_reduction, only: frame_choice_type, reduce_frame, available_frame_modes, frame_point_shape
    use limber_beam_frame_solver, only: connected_nodes
-   use limber_beam_static_functions, only: attachment_type
+   use limber_beam_static_functions, only: attachment_type, may_be_lost
    use limber_beam_reduced_body, only: reduced_type, rigid_reduced
    use limber_beam_beam_reduction, only: fidelity_linear, fidelity_kg
    use limber_model_element_effects, only: acting_points
@@ -27,8 +27,6 @@ module limber_model_frames
    integer, parameter :: max_elements = 20000
    !> Default number of modes: for each member, at least, at most
    integer, parameter :: modes_of_member = 3, least_modes = 6, most_modes = 24
-   !> Part of the strain energy of a response that may be lost
-   real(wp), parameter :: little = 1.0e-3_wp
 
 contains
 
@@ -77,7 +75,7 @@ contains
       end if
       if (usable .and. allocated(body%shape)) call warn_of_rounding(extent(draft%place(:, :size(draft%node)))/ &
          & minval(body%mesh%length), deck%blocks(index)%origin_of('DIVISIONS'), "frame '"//body%name//"'", diagnostics)
-      if (body%lost > little .and. diagnostics%count == before) call diagnostics%warn(deck%blocks(index)%origin_of( &
+      if (body%lost > may_be_lost .and. diagnostics%count == before) call diagnostics%warn(deck%blocks(index)%origin_of( &
          & trim(merge('MODES    ', 'DIVISIONS', deck%blocks(index)%given('MODES')))), "frame '"//body%name//"': its "// &
          & as_text(body%frame_choice%modes)//' modes leave no mass in the nodes for responses to its joints and loads: '// &
          & as_text(100*body%lost, 2)//' % of the strain energy of one is missing, and the frame is too stiff by up to that', &

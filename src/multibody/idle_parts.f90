@@ -8,7 +8,7 @@ module limber_multibody_idle_parts
    use limber_multibody_load, only: load_type
    implicit none
    private
-   public :: idle_constraint_type, idle_load_type, set_constraint, set_load, begin_idle_energy
+   public :: idle_constraint_type, idle_load_type, set_constraint, set_load
 
    !> A constraint without equations
    type, extends(constraint_type) :: idle_constraint_type
@@ -32,6 +32,7 @@ module limber_multibody_idle_parts
       procedure :: add_power => no_power
       procedure :: add_missed_power => no_missed_power
       procedure :: state_along => idle_state
+      procedure :: begin_energy => idle_begin_energy
    end type idle_load_type
 
 contains
@@ -85,19 +86,6 @@ contains
       call move_alloc(item, idle%own)
       call move_alloc(idle, item)
    end subroutine set_load
-
-   !> Settles from where the energy of a load is counted, also of one that does not act yet.
-   subroutine begin_idle_energy(item, kinematics)
-      class(load_type), intent(inout) :: item
-      !> Placed at the first state
-      type(kinematics_type), intent(in) :: kinematics
-      select type (item)
-      type is (idle_load_type)
-         call item%own%begin_energy(kinematics)
-      class default
-         call item%begin_energy(kinematics)
-      end select
-   end subroutine begin_idle_energy
 
    pure subroutine no_residual(self, kinematics, phi)
       class(idle_constraint_type), intent(in) :: self
@@ -153,6 +141,13 @@ contains
       type(kinematics_type), intent(in) :: mean, now
       real(wp), intent(inout) :: sum
    end subroutine no_missed_power
+
+   !> Settles from where the energy of the one that does not act yet is counted.
+   pure subroutine idle_begin_energy(self, kinematics)
+      class(idle_load_type), intent(inout) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      call self%own%begin_energy(kinematics)
+   end subroutine idle_begin_energy
 
    !> The scalar that it would act along, and no force.
    pure subroutine idle_state(self, kinematics, value, rate, push)

@@ -14,7 +14,7 @@ module limber_multibody_motion_laws
    private
    public :: moment_type, new_moment, watched_loads, read_moment, read_law, law_between, range_between, law_noise, &
       & law_doubt, law_effect, law_turn, law_bend, law_rests, law_within, law_excess, law_is_steep, law_is_stored, quartic, &
-      & describe_law, no_slope_text
+      & describe_law, name_of_load, no_slope_text
 
    !> Watched laws at a moment
    type :: moment_type
@@ -437,15 +437,26 @@ contains
       !> Index of the load
       integer, intent(in) :: load
       character(:), allocatable :: text
-      integer :: i
-      text = 'the law of a load'
-      do i = 1, size(system%model%loads)
-         associate (named => system%model%loads(i))
-            if (load >= named%first .and. load <= named%last) text = "the law of '"//named%name//"'"
-         end associate
-      end do
+      text = name_of_load(system, load)
+      if (text == '') text = 'a load'
+      text = 'the law of '//text
       if (size(system%loads(load)%item%bodies) > 0) text = text//" on body '"// &
          & system%model%bodies(system%loads(load)%item%bodies(1))%name//"'"
    end function describe_law
+
+   !> Name of a load in quotes; empty if it has none.
+   pure function name_of_load(system, load) result(text)
+      type(system_type), intent(in) :: system
+      !> Its index
+      integer, intent(in) :: load
+      character(:), allocatable :: text
+      integer :: i
+      text = ''
+      do i = 1, size(system%model%loads)
+         associate (named => system%model%loads(i))
+            if (load >= named%first .and. load <= named%last) text = "'"//named%name//"'"
+         end associate
+      end do
+   end function name_of_load
 
 end module limber_multibody_motion_laws

@@ -28,7 +28,6 @@ module limber_scene_first_scene
    use limber_multibody_first_deflections, only: balance_start
    use limber_multibody_start_rates, only: follow_balance
    use limber_multibody_compliant_constraints, only: soften_constraints
-   use limber_multibody_idle_parts, only: begin_idle_energy
    use limber_multibody_massless, only: find_massless
    use limber_multibody_joint_misfit, only: bend_least
    use limber_multibody_modal_damping, only: any_modal, find_damping, damped_modes_type
@@ -172,7 +171,7 @@ contains
          call ieee_get_status(status)
          call ieee_set_halting_mode(ieee_all, .false.)
          do i = 1, size(system%loads)
-            call begin_idle_energy(system%loads(i)%item, kinematics)
+            call system%loads(i)%item%begin_energy(kinematics)
          end do
          call ieee_set_status(status)
       end associate

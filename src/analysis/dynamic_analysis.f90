@@ -5,6 +5,7 @@ module limber_analysis_dynamic_analysis
    use limber_base_error, only: error_type, raise, status_deck
    use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: as_text, newline
+   use limber_monitor_indicators, only: looks_at_jumps
    use limber_monitor_curve_watch, only: curve_watch_type, new_curve_watch, begin_curves, go_on_curves, find_hidden
    use limber_analysis_curve_pieces, only: curve_pieces_type, new_pieces, begin_pieces, look_ahead, find_end, pass_end, &
       & count_kink, tell_kinks, release_pieces
@@ -208,7 +209,7 @@ contains
          if (passed > 0) since = breaks(passed)
       else
          call check_energy(scene, t, sample, outcome)
-         if (size(outcome%indicators%functions%beams) > 0) call look(scene, dynamics, integrator, at_start, sample, outcome)
+         if (looks_at_jumps(outcome%indicators)) call look(scene, dynamics, integrator, at_start, sample, outcome)
          call record(scene, t, dynamics%start, integrator, recorder, sample, history, outcome, error)
          if (sample%ungripped .and. .not. allocated(error)) then
             sample%anyhow = .true.

@@ -4,6 +4,7 @@ module limber_analysis_fresh_start
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text, newline
+   use limber_monitor_indicators, only: looks_at_jumps
    use limber_monitor_function_sudden, only: in_motion, before_break, behind_break
    use limber_analysis_looks, only: observe_state
    use limber_scene_outcome, only: outcome_type, warn
@@ -51,7 +52,7 @@ contains
       integer :: culprit
       logical :: watched
       associate (system => scene%system, work => scene%work)
-         watched = size(outcome%indicators%functions%beams) > 0
+         watched = looks_at_jumps(outcome%indicators)
          if (watched .and. jumps) then
             earlier = last
             ! Where a law of the motion jumps, `last` is behind it

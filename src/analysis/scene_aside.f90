@@ -9,6 +9,7 @@ module limber_analysis_scene_aside
    use limber_scene_scene, only: scene_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_multibody_equilibrium, only: equilibrium_type, new_equilibrium, find_equilibrium
+   use limber_multibody_switching, only: set_switches
    use limber_multibody_system, only: system_type
    implicit none
    private
@@ -44,14 +45,15 @@ contains
       type(aside_type), intent(inout) :: aside
       !> Whether it can be built
       logical, intent(out) :: done
+      logical :: renewed
       type(diagnostics_type) :: diagnostics
       type(error_type), allocatable :: error
       if (.not. allocated(aside%scene)) allocate (scene_type :: aside%scene)
       aside%scene%deck = richer_deck(scene, level, extra, with_outputs)
       call build_scene(aside%scene, diagnostics, error)
       done = .not. allocated(error)
-      if (done) done = aside%scene%system%nc == scene%system%nc .and. &
-         & size(aside%scene%system%loads) == size(scene%system%loads)
+      if (done .and. size(scene%system%on) > 0) call set_switches(aside%scene%system, aside%scene%work, scene%system%on, renewed)
+      if (done) done = aside%scene%system%nc == scene%system%nc
       ! More modes of a frame may leave no mass for its responses: then there is less to it
       if (done) done = all(aside%scene%system%model%bodies%lost <= max(scene%system%model%bodies%lost, may_be_lost))
       if (done) call new_equilibrium(aside%scene%system, aside%balance)
@@ -66,15 +68,23 @@ contains
       type(aside_type), intent(inout) :: aside
       !> Whether its equilibrium was found, if it is one
       logical, intent(out) :: done
-      integer :: i
+      integer :: i, k
       associate (new => aside%scene)
          call project_coordinates(scene%system, new%system, q, new%q)
          new%v = 0.0_wp
          new%system%model%gravity = scene%system%model%gravity
          new%system%model%dynamics = scene%system%model%dynamics
-         do i = 1, size(new%system%loads)
-            new%system%loads(i)%item%is_scaled = scene%system%loads(i)%item%is_scaled
-            new%system%loads(i)%item%share = scene%system%loads(i)%item%share
+         ! Loads along a body may have more parts here: all that grow have one share
+         do k = 1, size(scene%system%loads)
+            associate (load => scene%system%loads(k)%item)
+               if (.not. load%grows) cycle
+               do i = 1, size(new%system%loads)
+                  if (.not. new%system%loads(i)%item%grows) cycle
+                  new%system%loads(i)%item%is_scaled = load%is_scaled
+                  new%system%loads(i)%item%share = load%share
+               end do
+               exit
+            end associate
          end do
          if (size(new%work%kinematics%angles) == size(scene%work%kinematics%angles)) &
             & new%work%kinematics%angles = scene%work%kinematics%angles

@@ -7,7 +7,7 @@ module limber_analysis_static_analysis
    use limber_base_text, only: as_text
    use limber_analysis_static_branch, only: statics_type, load_scene, scale_loads, time_of, accept, try, try_start, &
       & fall_into_place, find_critical, loads_drive, tell, tell_of_leaving, tell_unstable, most_turn, stay_on, stand, &
-      & place_text, flutter_text
+      & place_text, flutter_text, judge_branch
    use limber_analysis_curve_path, only: new_paths, follow_paths, break_text
    use limber_monitor_function_checks, only: function_load_warning, function_state_warning
    use limber_monitor_indicator_start, only: start_indicators
@@ -36,7 +36,7 @@ module limber_analysis_static_analysis
    use limber_multibody_layout, only: advance
    use limber_multibody_motion_laws, only: describe_law
    use limber_multibody_multiplier_system, only: update_jacobians
-   use limber_multibody_stability, only: judge, descend
+   use limber_multibody_stability, only: descend
    use limber_multibody_turn_counts, only: driven_turn
    implicit none
    private
@@ -81,6 +81,7 @@ contains
       call tell_shapes(shapes, outcome%indicators%functions)
       if (.not. allocated(error) .and. statics%stable .and. statics%report == '') &
          & call check_state(scene, step, statics, aside, outcome)
+      if (statics%uncounted /= '') call warn(outcome, title(step)//': '//statics%uncounted)
       call load_scene(scene, step, 1.0_wp, statics)
       scene%system%model%gravity = statics%gravity
       call scale_loads(scene, .false., 1.0_wp)
@@ -124,6 +125,7 @@ contains
       statics%gravity = scene%system%model%gravity
       statics%first_rotation = scene%last%rotation
       statics%report = ''
+      statics%uncounted = ''
       statics%start_text = ''
       statics%neutral_text = ''
       if (max(abs(step%rotation), abs(statics%first_rotation)) > 0.0_wp .and. any(abs(statics%gravity) > 0.0_wp)) &
@@ -441,7 +443,7 @@ contains
       else if (statics%balance%has_left) then
          call tell_of_leaving(scene, statics, time_of(step, goal))
       end if
-      call judge(scene%system, scene%work, statics%balance, statics%trial_lambda)
+      call judge_branch(scene, statics, time_of(step, goal), statics%trial, statics%trial_lambda)
       if (statics%balance%flutters) then
          call accept(scene, statics, goal)
          call stay_unstable(scene, step, statics)

@@ -5,6 +5,7 @@ module limber_analysis_static_branch
    use limber_base_signals, only: signal_came
    use limber_base_text, only: as_text, newline
    use limber_analysis_curve_path, only: curve_path_type
+   use limber_analysis_flutter_aside, only: check_flutter
    use limber_scene_scene, only: scene_type
    use limber_analysis_skipped_laws, only: skips_law
    use limber_model_model, only: analysis_step_type, leave_unstable, stop_unstable
@@ -19,7 +20,7 @@ module limber_analysis_static_branch
    implicit none
    private
    public :: statics_type, load_scene, scale_loads, time_of, accept, try, try_start, fall_into_place, find_critical, loads_drive
-   public :: tell, tell_of_leaving, tell_unstable, stay_on, stand, place_text, flutter_text
+   public :: tell, tell_of_leaving, tell_unstable, stay_on, stand, place_text, flutter_text, judge_branch
 
    !> Increment, beside the part of the step that is done, below which it is taken where the stiffness jumps
    real(wp), parameter :: kink_part = 1.0e-6_wp
@@ -53,6 +54,8 @@ module limber_analysis_static_branch
       real(wp) :: gravity(2) = 0.0_wp, first_rotation = 0.0_wp
       !> What the user is told
       character(:), allocatable :: report
+      !> Of vibrations that grow and do not count; empty if there are none
+      character(:), allocatable :: uncounted
       !> What is told of the first sample; and of a neutral equilibrium, unless the next one is unstable
       character(:), allocatable :: start_text, neutral_text
    end type statics_type
@@ -109,7 +112,7 @@ contains
          call find_equilibrium(scene%system, scene%work, balance, time_of(step, 0.0_wp), statics%trial, statics%trial_lambda, &
             & .false., done)
          if (.not. done) return
-         call judge(scene%system, scene%work, balance, statics%trial_lambda)
+         call judge_branch(scene, statics, time_of(step, 0.0_wp), statics%trial, statics%trial_lambda)
          if (balance%stable) then
             statics%known = .true.
             statics%stable = .true.
@@ -187,7 +190,7 @@ contains
          call begin_way(balance, work, statics%angles)
          if (step%instability /= leave_unstable) then
             call find_equilibrium(system, work, balance, t, statics%trial, statics%trial_lambda, .false., done)
-            if (done) call judge(system, work, balance, statics%trial_lambda)
+            if (done) call judge_branch(scene, statics, t, statics%trial, statics%trial_lambda)
             if (done) call start_unstable(scene, step, part, statics)
             if (statics%known) return
             statics%trial = statics%q
@@ -196,7 +199,7 @@ contains
          end if
          call descend(system, work, balance, t, .true., statics%trial, statics%trial_lambda, done)
          if (.not. done .or. .not. balance%stable) return
-         call judge(system, work, balance, statics%trial_lambda)
+         call judge_branch(scene, statics, t, statics%trial, statics%trial_lambda)
          if (.not. balance%stable) return
          if (balance%has_left) call tell_of_leaving(scene, statics, t)
          statics%known = .true.
@@ -275,7 +278,7 @@ contains
             end if
             call linearise_balance(system, work, balance, time_of(step, part), statics%trial, statics%trial_lambda)
          end if
-         call judge(system, work, balance, statics%trial_lambda)
+         call judge_branch(scene, statics, time_of(step, part), statics%trial, statics%trial_lambda)
       end associate
    end subroutine try_near
 
@@ -290,7 +293,7 @@ contains
       statics%trial_lambda = lambda
       call load_scene(scene, step, part, statics)
       call linearise_balance(scene%system, scene%work, statics%balance, time_of(step, part), q, lambda)
-      call judge(scene%system, scene%work, statics%balance, lambda)
+      call judge_branch(scene, statics, time_of(step, part), q, lambda)
       statics%known = .true.
       statics%stable = .false.
       call accept(scene, statics, part)
@@ -376,6 +379,21 @@ contains
          call linearise_balance(system, work, balance, time_of(step, statics%part), statics%q, statics%lambda)
       end associate
    end function loads_drive
+
+   !> Stability of a place that was linearised. Vibrations that grow are confirmed by more coordinates.
+   subroutine judge_branch(scene, statics, t, q, lambda)
+      type(scene_type), intent(inout) :: scene
+      type(statics_type), intent(inout) :: statics
+      !> Time, coordinates (nq), multipliers (nc)
+      real(wp), intent(in) :: t, q(:), lambda(:)
+      character(:), allocatable :: text
+      call judge(scene%system, scene%work, statics%balance, lambda)
+      do while (statics%balance%flutters)
+         call check_flutter(scene, statics%balance, t, q, lambda, text)
+         if (text == '') return
+         statics%uncounted = text
+      end do
+   end subroutine judge_branch
 
    subroutine tell_of_leaving(scene, statics, t)
       type(scene_type), intent(in) :: scene

@@ -11,7 +11,8 @@ module limber_beam_beam_reduction
    use limber_beam_exact_functions, only: exact_choice_type
    use limber_beam_plane_frame, only: frame_type, beam_frame, beam_nodes
    use limber_beam_frame_solver, only: solver_type, new_solver, remove_motion
-   use limber_beam_static_functions, only: attachment_type, attachment_loads, static_responses, add_functions, left_out_note
+   use limber_beam_static_functions, only: attachment_type, attachment_loads, static_responses, remaining_responses, &
+      & add_functions, left_out_note
    use limber_beam_geometric_stiffness, only: mean_slopes, slope_moments, mean_strains, strain_moments, joined_strains, &
       & element_ends, &
       & project_cubic
@@ -331,13 +332,15 @@ contains
       real(wp), allocatable, intent(inout) :: shape(:, :, :), omega2(:)
       integer, intent(inout) :: left_out
       type(error_type), allocatable, intent(out) :: error
-      real(wp), allocatable :: responses(:, :, :)
+      real(wp), allocatable :: load(:, :, :), responses(:, :, :), rests(:, :, :)
       real(wp) :: lost
       lost = 0.0_wp
       if (size(acting) == 0) return
-      allocate (responses(3, size(frame%place, 2), size(acting)))
-      call static_responses(frame, solver, attachment_loads(frame, acting), responses)
-      call add_functions(frame, responses, .false., shape, omega2, left_out, lost, error)
+      allocate (load, source=attachment_loads(frame, acting))
+      allocate (responses, mold=load)
+      call static_responses(frame, solver, load, responses)
+      call remaining_responses(frame, solver, shape, load, rests)
+      call add_functions(frame, responses, rests, .false., shape, omega2, left_out, lost, error)
    end subroutine add_responses
 
    !> How many of the lowest `wanted` values of two ascending lists stand in the first.

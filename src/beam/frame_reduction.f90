@@ -9,7 +9,7 @@ module limber_beam_frame_reduction
    use limber_beam_frame_solver, only: solver_type, new_solver, frame_band, rigid_motions, on_equations, &
       & from_equations, remove_motion
    use limber_beam_static_functions, only: attachment_type, attachment_loads, constraint_functions, static_responses, &
-      & add_functions, &
+      & remaining_responses, add_functions, &
       & left_out_note
    use limber_beam_geometric_stiffness, only: mean_slopes, mean_strains, project_cubic
    use limber_beam_beam_mesh, only: displacement_field_type, deflection_at, slope_at, extension_at
@@ -129,7 +129,7 @@ contains
       real(wp), intent(out), optional :: lost
       type(solver_type) :: solver
       real(wp), parameter :: equal = 1.0e-7_wp
-      real(wp), allocatable :: omega2(:), functions(:, :, :), load(:, :, :)
+      real(wp), allocatable :: omega2(:), functions(:, :, :), rests(:, :, :), load(:, :, :)
       real(wp) :: next, part
       integer :: i, left_out
       left_out = 0
@@ -146,13 +146,14 @@ contains
             call remove_motion(frame, solver, shape(:, :, i))
          end do
          call constraint_functions(frame, solver, load, functions)
-         call add_functions(frame, functions, .true., shape, omega2, left_out, part, error)
+         call add_functions(frame, functions, rests, .true., shape, omega2, left_out, part, error)
          if (allocated(error)) return
          deallocate (functions)
       end if
-      call static_functions(frame, choice, functions, error)
+      call static_functions(frame, choice, shape, functions, rests, error)
       if (allocated(error)) return
-      if (size(functions, 3) > 0) call add_functions(frame, functions, size(load, 3) > 0, shape, omega2, left_out, part, error)
+      if (size(functions, 3) > 0) call add_functions(frame, functions, rests, size(load, 3) > 0, shape, omega2, left_out, part, &
+         & error)
       if (present(lost)) lost = part
       if (allocated(error)) return
       if (present(note)) note = left_out_note(left_out, '')
@@ -238,11 +239,15 @@ contains
    end subroutine vibration_modes
 
    !> Responses to the chosen loads.
-   subroutine static_functions(frame, choice, functions, error)
+   subroutine static_functions(frame, choice, shape, functions, rests, error)
       type(frame_type), intent(in) :: frame
       type(frame_choice_type), intent(in) :: choice
+      !> Modes (3, nodes, n)
+      real(wp), intent(in) :: shape(:, :, :)
       !> (3, nodes, number)
       real(wp), allocatable, intent(out) :: functions(:, :, :)
+      !> The same without the modes, where these are vibrations under the supports
+      real(wp), allocatable, intent(out) :: rests(:, :, :)
       type(error_type), allocatable, intent(out) :: error
       type(solver_type) :: solver
       real(wp), allocatable :: load(:, :, :)
@@ -272,6 +277,7 @@ contains
          load(3, :, count + 4) = frame%mass(3, :)
       end if
       call static_responses(frame, solver, load, functions)
+      if (.not. choice%craig_bampton) call remaining_responses(frame, solver, shape, load, rests)
    end subroutine static_functions
 
    !> The geometric part: a sum over the members, in each finite element of which the axial force is that of its own strain.

@@ -236,7 +236,7 @@ contains
    end subroutine new_solver
 
    !> The displacements that loads on the nodes make, at rest, or, as far as rigid motions are free, in the motion that the
-   !> loads give the frame without strain; then without a rigid part.
+   !> loads give the frame without strain; then without a rigid part. Loads that only move it make none.
    subroutine solve_static(frame, solver, load, u)
       type(frame_type), intent(in) :: frame
       type(solver_type), intent(in) :: solver
@@ -250,6 +250,8 @@ contains
       do k = 1, size(solver%motion, 3)
          balanced = balanced - frame%mass*solver%motion(:, :, k)*sum(solver%motion(:, :, k)*load)
       end do
+      u = 0.0_wp
+      if (size(solver%motion, 3) > 0 .and. is_round_off(frame, balanced, load)) return
       vector = 0.0_wp
       do i = 1, size(load, 2)
          do k = 1, 3
@@ -260,6 +262,19 @@ contains
       u = from_equations(max(0, solver%number), vector)
       call remove_motion(frame, solver, u)
    end subroutine solve_static
+
+   !> Whether what is left of loads is round-off.
+   pure logical function is_round_off(frame, rest, load)
+      type(frame_type), intent(in) :: frame
+      !> Forces and couples (3, nodes)
+      real(wp), intent(in) :: rest(:, :), load(:, :)
+      !> Part of the loads
+      real(wp), parameter :: none = 1.0e-12_wp
+      real(wp) :: force, extent
+      extent = maxval(maxval(frame%place, dim=2) - minval(frame%place, dim=2))
+      force = max(maxval(abs(load(1:2, :))), maxval(abs(load(3, :)))/extent)
+      is_round_off = max(maxval(abs(rest(1:2, :))), maxval(abs(rest(3, :)))/extent) <= none*force
+   end function is_round_off
 
    !> Takes the rigid motions that the supports leave out of a field.
    pure subroutine remove_motion(frame, solver, field)

@@ -12,7 +12,8 @@ module limber_beam_static_functions
    use limber_beam_modal_reduction, only: null_space
    implicit none
    private
-   public :: attachment_type, attachment_loads, static_responses, constraint_functions, add_functions, left_out_note
+   public :: attachment_type, attachment_loads, static_responses, remaining_responses, constraint_functions, add_functions, &
+      & left_out_note
 
    !> Part of the strain energy of a function that may be lost with it
    real(wp), parameter, public :: may_be_lost = 1.0e-3_wp
@@ -57,6 +58,26 @@ contains
       end do
    end subroutine static_responses
 
+   !> Displacements that loads make at rest without those of vibration modes: responses to what the modes leave of the loads. The
+   !> difference of the responses would have few digits where the modes have nearly all of them.
+   subroutine remaining_responses(frame, solver, shape, load, rests)
+      type(frame_type), intent(in) :: frame
+      type(solver_type), intent(in) :: solver
+      !> Modes (3, nodes, n), orthonormal in the mass; loads (3, nodes, number), and so the responses
+      real(wp), intent(in) :: shape(:, :, :), load(:, :, :)
+      real(wp), allocatable, intent(out) :: rests(:, :, :)
+      real(wp) :: rest(3, size(load, 2))
+      integer :: i, j
+      allocate (rests, mold=load)
+      do i = 1, size(load, 3)
+         rest = load(:, :, i)
+         do j = 1, size(shape, 3)
+            rest = rest - frame%mass*shape(:, :, j)*sum(shape(:, :, j)*rest)
+         end do
+         call solve_static(frame, solver, merge(rest, 0.0_wp, frame%free), rests(:, :, i))
+      end do
+   end subroutine remaining_responses
+
    !> Shapes of a body at rest when its interface is displaced, eq. (2.19): responses to those forces on the interface that balance
    !> each other. Without free rigid motions these are all forces.
    subroutine constraint_functions(frame, solver, load, functions)
@@ -91,10 +112,12 @@ contains
    !> Adds functions to the modes, eqs. (2.20), (2.21): orthonormal in the mass, to the modes as well, and diagonal in the
    !> stiffness. Those that depend on others are left out. If they differ by displacements without mass the others take these as
    !> they please, eq. (2.21).
-   subroutine add_functions(frame, functions, whole, shape, omega2, left_out, lost, error)
+   subroutine add_functions(frame, functions, rests, whole, shape, omega2, left_out, lost, error)
       type(frame_type), intent(in) :: frame
       !> (3, nodes, number)
       real(wp), intent(in) :: functions(:, :, :)
+      !> The functions without their parts in vibration modes, if these stay as they are; otherwise unallocated
+      real(wp), allocatable, intent(in) :: rests(:, :, :)
       !> Whether the modes are no vibrations under the supports: then all coordinates become new ones
       logical, intent(in) :: whole
       !> Shapes and squared frequencies of the modes; receive those of all
@@ -125,6 +148,7 @@ contains
          end if
          own(:, :, kept + 1) = own(:, :, kept + 1)/norm
          energy = strain_energy(frame, own(:, :, kept + 1), own(:, :, kept + 1))
+         if (j > modes .and. allocated(rests)) own(:, :, kept + 1) = rests(:, :, j - modes)/norm
          do pass = 1, 2
             do k = 1, kept
                call project(frame%mass, own(:, :, k), own(:, :, kept + 1))

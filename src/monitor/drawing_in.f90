@@ -1,20 +1,37 @@
-!> Monitor of the inertia of foreshortening of frames. The finite elements of the frame at rest, under the shortening of its
-!> elements, as its supports and joints hold it. Made at the first look. Floor: monitor. Source: doc/theory, eqs. (7.44)-(7.46).
+!> Monitor of the foreshortening of frames: its inertia, and the displacements that it makes. The finite elements of the frame at
+!> rest, under the shortening of its elements, as its supports and joints hold it. Made at the first look. Floor: monitor. Source:
+!> doc/theory, eqs. (7.24), (7.44)-(7.46).
 !>
 !>     call start_drawing_in(self, membrane, survey, carried)                    ! allocates
-!>     call find_drawing_in(self, survey, bending, eta, rate, acceleration)      ! self%energy, %work, %force
+!>     call find_drawing_in(self, survey, bending, eta, rate, acceleration)      ! self%energy, %work, %force, %asked%lacking
 module limber_monitor_drawing_in
    use limber_base_kinds, only: wp
    use limber_monitor_membrane, only: membrane_type, moved_by, tension_times, pull_nodes
-   use limber_beam_plane_frame, only: own_displacements
+   use limber_beam_plane_frame, only: frame_type, own_displacements, unit_load
    use limber_beam_frame_solver, only: solve_static
    use limber_beam_mesh_forces, only: survey_type
    implicit none
    private
-   public :: drawing_in_type, start_drawing_in, find_drawing_in
+   public :: drawing_in_type, drawn_channel_type, start_drawing_in, find_drawing_in
 
    !> Most parts that members are divided into, so that the constants stay small
    integer, parameter :: most = 240
+
+   !> A displacement or coordinate of a point that a channel asks for
+   type :: drawn_channel_type
+      !> The channel as a deck has it: u1(frame.point)
+      character(:), allocatable :: name
+      !> Index of the point, its member, its coordinate along that [length] and its place in the frame [length]
+      integer :: point = 0, member = 1
+      real(wp) :: along = 0.0_wp, place(2) = 0.0_wp
+      !> Axis of the displacement, 1 or 2; whether it is in space, and not relative to the floating frame
+      integer :: axis = 1
+      logical :: in_space = .false.
+      !> Displacements along both axes of the frame that a unit shortening of each part makes (2, parts)
+      real(wp), allocatable :: by_part(:, :)
+      !> These by the shortening found last [length]
+      real(wp) :: lacking(2) = 0.0_wp
+   end type drawn_channel_type
 
    !> The constants of one frame, and what was found last
    type :: drawing_in_type
@@ -30,6 +47,8 @@ module limber_monitor_drawing_in
       real(wp) :: energy = 0.0_wp, work = 0.0_wp, force = 0.0_wp
       !> Scratch: displacements of the nodes by bending, their rates and accelerations (3, nodes)
       real(wp), allocatable :: bent(:, :), rate(:, :), faster(:, :)
+      !> What channels ask for
+      type(drawn_channel_type), allocatable :: asked(:)
    end type drawing_in_type
 
 contains
@@ -43,14 +62,18 @@ contains
       !> Masses that other bodies hang on the places of joints and loads (places)
       real(wp), intent(in) :: carried(:)
       real(wp), allocatable :: drawn(:, :), nodal(:, :), u(:, :)
-      real(wp) :: length
+      real(wp) :: length, motion(3)
       integer :: e, i, k, nodes, parts
       self%made = .true.
+      if (.not. allocated(self%asked)) allocate (self%asked(0))
       associate (mesh => survey%mesh)
          nodes = size(mesh%place, 2)
          call divide(mesh%first, self%part)
          parts = maxval(self%part)
          allocate (drawn(2*nodes + 2*size(carried), parts), nodal(3, nodes), u(3, nodes))
+         do k = 1, size(self%asked)
+            allocate (self%asked(k)%by_part(2, parts))
+         end do
          do i = 1, parts
             nodal = 0.0_wp
             length = sum(mesh%length, mask=self%part == i)
@@ -59,7 +82,10 @@ contains
             end do
             nodal = merge(nodal, 0.0_wp, mesh%free)
             call solve_static(mesh, survey%solver, nodal, u)
-            call moved_by(membrane, mesh, u)
+            call moved_by(membrane, mesh, u, motion)
+            do k = 1, size(self%asked)
+               call draw(self%asked(k), mesh, u, motion, i)
+            end do
             drawn(:2*nodes, i) = reshape(u(1:2, :)*sqrt(mesh%mass(1:2, :)), [2*nodes])
             do k = 1, size(carried)
                drawn(2*nodes + 2*k - 1, i) = sqrt(carried(k))*sum(survey%load(:, :, 3*k - 2)*u)
@@ -71,6 +97,21 @@ contains
          allocate (self%bent(3, nodes), self%rate(3, nodes), self%faster(3, nodes))
       end associate
    end subroutine start_drawing_in
+
+   !> What the shortening of a part does to a channel.
+   subroutine draw(channel, mesh, u, motion, part)
+      type(drawn_channel_type), intent(inout) :: channel
+      type(frame_type), intent(in) :: mesh
+      !> Displacements of the nodes (3, nodes), and the motion of the floating frame in these: along both axes, and rotation
+      real(wp), intent(in) :: u(:, :), motion(3)
+      integer, intent(in) :: part
+      integer :: k
+      do k = 1, 2
+         channel%by_part(k, part) = sum(unit_load(mesh, channel%member, channel%along, k)*u)
+      end do
+      if (channel%in_space) return
+      channel%by_part(:, part) = channel%by_part(:, part) - motion(1:2) - motion(3)*[-channel%place(2), channel%place(1)]
+   end subroutine draw
 
    !> Divides each member into parts of some elements.
    pure subroutine divide(first, part)
@@ -90,7 +131,7 @@ contains
       end do
    end subroutine divide
 
-   !> Energy and work in a state.
+   !> Energy and work in a state, and what channels lack.
    pure subroutine find_drawing_in(self, survey, bending, eta, rate, acceleration)
       type(drawing_in_type), intent(inout) :: self
       type(survey_type), intent(in) :: survey
@@ -137,6 +178,34 @@ contains
          self%work = self%work + 2*self%short(i)*row(2)
          self%force = max(self%force, abs(row(2)))
       end do
+      if (size(self%asked) > 0) call find_lacking(self, survey, eta)
    end subroutine find_drawing_in
+
+   !> What channels lack. All coordinates bend the members: those that stretch them mostly may take back what others do.
+   pure subroutine find_lacking(self, survey, eta)
+      type(drawing_in_type), intent(inout) :: self
+      type(survey_type), intent(in) :: survey
+      !> Coordinates (n)
+      real(wp), intent(in) :: eta(:)
+      real(wp) :: own(6)
+      integer :: i, k
+      self%bent = 0.0_wp
+      do k = 1, size(eta)
+         self%bent = self%bent + survey%shape(:, :, k)*eta(k)
+      end do
+      self%short = 0.0_wp
+      do i = 1, size(survey%mesh%member)
+         own = own_displacements(survey%mesh, i, self%bent)
+         k = self%part(i)
+         self%short(k) = self%short(k) + 0.5_wp*dot_product(own([2, 3, 5, 6]), tension_times(own([2, 3, 5, 6]), &
+            & survey%mesh%length(i)))
+      end do
+      do i = 1, size(self%asked)
+         self%asked(i)%lacking = 0.0_wp
+         do k = 1, size(self%short)
+            self%asked(i)%lacking = self%asked(i)%lacking + self%asked(i)%by_part(:, k)*self%short(k)
+         end do
+      end do
+   end subroutine find_lacking
 
 end module limber_monitor_drawing_in

@@ -12,7 +12,7 @@ module limber_monitor_function_sudden
    implicit none
    private
    public :: sudden_type, start_sudden, observe_sudden, join_sudden, lost_deflection, lost_moments, lost_shears, lost_pulls
-   public :: is_struck, find_brevity, share_that_stays
+   public :: is_struck, find_brevity, share_that_stays, left_over, opposite, share
    public :: at_rest, in_motion, at_start, before_break, behind_break
 
    !> What a state is that is looked at: at rest; within a motion; its first one; on both sides of an instant at which loads jump
@@ -259,6 +259,7 @@ contains
       end associate
    end subroutine observe_stretch
 
+   !> A part of what it makes with the rest.
    pure real(wp) function share(part, rest)
       real(wp), intent(in) :: part, rest
       share = part/max(part + rest, tiny(part))

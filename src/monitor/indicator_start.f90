@@ -7,14 +7,17 @@ module limber_monitor_indicator_start
    use limber_monitor_indicators, only: indicators_type, body_indicators_type, indicator_set_type
    use limber_monitor_false_damping, only: start_false_damping
    use limber_monitor_lumping_phase, only: start_phase
+   use limber_monitor_modal_sudden, only: start_modal_sudden
    use limber_monitor_body_surveys, only: start_surveys, is_base
+   use limber_monitor_drawing_in, only: drawn_channel_type
    use limber_beam_quasistatic_deflection, only: new_quasistatic
    use limber_beam_monitored_sections, only: new_stations, patch_type
    use limber_model_distributed_loads, only: spread_parts
    use limber_model_model, only: place_at_point, place_on_line, place_on_curve, place_on_beam, ground, body_rigid, body_type
-   use limber_model_quantities, only: quantity_ax, quantity_axial_force, quantity_ay, quantity_bending_moment, &
+   use limber_model_quantities, only: quantities, quantity_ax, quantity_axial_force, quantity_ay, quantity_bending_moment, &
       & quantity_deflection, quantity_force_1, quantity_force_2, quantity_force_x, quantity_force_y, quantity_moment, &
-      & quantity_rotation, quantity_shear_force, quantity_stress_bottom, quantity_stress_top, quantity_u1, quantity_u2
+      & quantity_rotation, quantity_shear_force, quantity_stress_bottom, quantity_stress_top, quantity_u1, quantity_u2, &
+      & quantity_x, quantity_y
    use limber_multibody_system, only: system_type
    use limber_output_point_forces, only: new_pulls, pulled_points
    implicit none
@@ -75,7 +78,11 @@ contains
       call list_contacts(self, system, first, contacts)
       call start_surveys(self%surveys, system, frames_only=.true.)
       do i = 1, size(self%of)
-         if (self%of(i) > 0) call start_body(self, system, i, contacts(first(i):first(i + 1) - 1), self%bodies(self%of(i)))
+         if (self%of(i) == 0) cycle
+         associate (body => self%bodies(self%of(i)))
+            call start_body(self, system, i, contacts(first(i):first(i + 1) - 1), body)
+            if (system%layout%n(i) > 0) call start_modal_sudden(body%sudden, system, i, body%lumping)
+         end associate
       end do
       call find_shown(self, system)
    end subroutine start_indicators
@@ -95,6 +102,7 @@ contains
                   if (quantity%kind == quantity_moment .and. .not. (quantity%of_load .or. quantity%of_coupler)) &
                      & call show_reaction(quantity%of)
                   call show_axial(self, system, quantity%kind, quantity%of, quantity%of_load .or. quantity%of_coupler)
+                  call ask_frame(self, system, quantity%kind, quantity%of)
                   if (.not. any(quantity%kind == [quantity_shear_force, quantity_bending_moment, quantity_stress_top, &
                      & quantity_stress_bottom, quantity_deflection, quantity_u1, quantity_u2, quantity_rotation])) cycle
                   if (model%points(quantity%of)%body == ground) cycle
@@ -146,6 +154,30 @@ contains
       if (.not. allocated(body%asked)) allocate (body%asked(0))
       body%asked = [body%asked, point]
    end subroutine ask
+
+   !> Notes a displacement or coordinate of a point of a frame that is asked for.
+   subroutine ask_frame(self, system, kind, point)
+      type(indicators_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      !> Kind of quantity, index of the point
+      integer, intent(in) :: kind, point
+      type(drawn_channel_type) :: channel
+      integer :: body
+      if (all(kind /= [quantity_u1, quantity_u2, quantity_x, quantity_y])) return
+      body = system%model%points(point)%body
+      if (body == ground) return
+      if (self%surveys%of(body) == 0 .or. self%of(body) == 0) return
+      associate (own => self%bodies(self%of(body)), at => system%model%points(point))
+         channel = drawn_channel_type(name=trim(quantities(kind)%name)//'('//at%name//')', point=point, &
+            & member=max(1, at%member), along=at%along, place=at%p0, &
+            & axis=merge(1, 2, any(kind == [quantity_u1, quantity_x])), in_space=any(kind == [quantity_x, quantity_y]))
+         own%drawing_in%asked = [own%drawing_in%asked, channel]
+         deallocate (own%drawn, own%drawn_from)
+         allocate (own%drawn(2, size(own%drawing_in%asked)), own%drawn_from(size(own%drawing_in%asked)))
+         own%drawn = 0.0_wp
+         own%drawn_from = 0.0_wp
+      end associate
+   end subroutine ask_frame
 
    !> Which body a channel asks for axial forces of: at a point, or by the force of a joint.
    subroutine show_axial(self, system, kind, of, is_other)
@@ -288,6 +320,7 @@ contains
          body%lumping(survey%chosen) = survey%lumping
          body%bending = pack(survey%chosen, [(survey%bending(k, k) > 0.5_wp*survey%omega2(k), k=1, m)])
          call find_carried(self, system, contacts, body)
+         allocate (body%drawing_in%asked(0), body%drawn(2, 0), body%drawn_from(0))
          body%layer = max(1, size(body%bending))/real(size(survey%mesh%first) - 1, wp)
       end associate
    end subroutine start_frame

@@ -14,6 +14,7 @@ module limber_monitor_indicators
    use limber_monitor_false_damping, only: false_damping_type, join_false_damping, lost_amplitude
    use limber_monitor_function_watch, only: function_watch_type, join_functions
    use limber_monitor_membrane, only: membrane_type
+   use limber_monitor_modal_sudden, only: modal_sudden_type, join_modal_sudden, lost_sections
    use limber_monitor_lumping_phase, only: phase_type, join_phases, phase_error
    use limber_monitor_body_surveys, only: surveys_type
    use limber_beam_quasistatic_deflection, only: quasistatic_type
@@ -24,7 +25,7 @@ module limber_monitor_indicators
    public :: indicators_type, body_indicators_type, indicator_set_type, join_indicators, raise_peak, raise_recoil_force, &
       & add_vibration, &
       & indicator_value, indicator_time
-   public :: indicator_names, indicator_meanings, layer_errors
+   public :: indicator_names, indicator_meanings, layer_errors, sudden_errors, drawn_parts, looks_at_jumps
 
    !> Kinds of indicators, those of a body in this order
    integer, parameter, public :: indicator_deflection = 1, indicator_slope = 2, indicator_rotation = 3, indicator_compression = 4, &
@@ -33,13 +34,13 @@ module limber_monitor_indicators
       & indicator_drift = 14, indicator_elongation = 15, indicator_recoil = 16, indicator_buckling = 17, indicator_layer = 18, &
       & indicator_phase = 19, indicator_false_damping = 20, indicator_membrane = 21, &
       & indicator_reaction = 22, indicator_recoil_force = 23, indicator_drawn = 24, indicator_strain = 25, &
-      & indicator_count = 25
+      & indicator_sudden = 26, indicator_count = 26
 
    !> Their names in results, and what they are
    character(*), parameter :: indicator_names(indicator_count) = [character(16) :: 'deflection', 'slope', 'rotation', &
       & 'compression', 'tension', 'pace', 'last_mode', 'residual', 'geometric', 'axial', 'coarseness', 'lumping', &
       & 'shortening', 'drift', 'elongation', 'recoil', 'buckling', 'layer', 'phase', 'false_damping', &
-      & 'membrane', 'membrane_force', 'recoil_force', 'drawn_in', 'strain']
+      & 'membrane', 'membrane_force', 'recoil_force', 'drawn_in', 'strain', 'sudden']
    character(*), parameter :: indicator_meanings(indicator_count) = [character(120) :: &
       & 'largest deflection in the frame / length', &
       & 'largest slope in the frame', &
@@ -64,8 +65,9 @@ module limber_monitor_indicators
       & 'relative change of the deflection of a frame by axial force where the ends of its members cannot approach each other', &
       & 'that axial force / largest axial force or load, where channels ask for axial forces, stresses or reactions', &
       & 'axial force by inertia that the shortening has and the model lacks / largest axial force or load, where it is asked for', &
-      & 'displacement along a beam by which bending draws it in and that the model lacks / largest one, where it is asked for', &
-      & 'relative change of the deflection by the axial strain of what is compressed']
+      & 'displacement by which bending draws the body in and that the model lacks / largest one, where it is asked for', &
+      & 'relative change of the deflection by the axial strain of what is compressed', &
+      & 'section forces of vibrations under sudden loads that the coordinates do not follow / largest ones, where asked for']
 
    !> Kinetic over elastic energy, as `indicator_pace`, below which a compression lasts long enough to buckle a beam
    real(wp), parameter, public :: slow = 0.3_wp
@@ -134,6 +136,8 @@ module limber_monitor_indicators
       integer :: anchor = 0
       !> Relative error of each bending frequency by the lumped masses (bending)
       real(wp), allocatable :: lumping(:)
+      !> Section forces under sudden loads
+      type(modal_sudden_type) :: sudden
       !> Vibrations and swings that lumped masses delay; vibrations that the model damps in rotation
       type(phase_type) :: phase
       type(false_damping_type) :: false_damping
@@ -146,8 +150,11 @@ module limber_monitor_indicators
       real(wp), allocatable :: slope_work(:, :), loaded(:, :), value(:), room(:), elastic(:), s(:), lacking(:)
       !> Of a frame: axial forces where the ends of its members cannot approach each other
       type(membrane_type) :: membrane
-      !> Of a frame: inertia of the shortening of its members; of a beam only its axial force
+      !> Of a frame: inertia of the shortening of its members, and the displacements by that; of a beam only its axial force
       type(drawing_in_type) :: drawing_in
+      !> Of each of these displacements: the largest that is lacking, and the largest (2, channels) [length]; of a coordinate in
+      !> space its first value (channels) [length]
+      real(wp), allocatable :: drawn(:, :), drawn_from(:)
       !> Scratch: slopes and axial forces at the stations, amplitudes along and across, and of the bending coordinates,
       !> forces on these
       real(wp), allocatable :: slope(:), force(:), along(:), across(:), own(:), push(:, :)
@@ -266,9 +273,11 @@ contains
             whole%bodies(i)%modal(k) = part%bodies(i)%modal(k)
             whole%bodies(i)%modal_time(k) = part%bodies(i)%modal_time(k)
          end do
+         call join_modal_sudden(part%bodies(i)%sudden, whole%bodies(i)%sudden)
          call join_phases(part%bodies(i)%phase, whole%bodies(i)%phase)
          call join_false_damping(part%bodies(i)%false_damping, whole%bodies(i)%false_damping)
          whole%bodies(i)%moving = max(whole%bodies(i)%moving, part%bodies(i)%moving)
+         if (allocated(part%bodies(i)%drawn)) whole%bodies(i)%drawn = max(whole%bodies(i)%drawn, part%bodies(i)%drawn)
       end do
       call join_functions(part%functions, whole%functions)
    end subroutine join_indicators
@@ -309,14 +318,36 @@ contains
             value = 0.0_wp
             if (self%shows_axial) value = ratio(peak(peak_membrane_force), max(peak(peak_pull), peak(peak_membrane_force)))
          case (indicator_recoil_force); value = peak(peak_recoil_force)
-         case (indicator_drawn); value = ratio(peak(peak_drawn), peak(peak_along))
+         case (indicator_drawn); value = max(ratio(peak(peak_drawn), peak(peak_along)), drawn_frame(self))
          case (indicator_strain)
             value = 0.0_wp
             if (is_slow(self)) value = ratio(peak(peak_strained), peak(peak_stiffness))
+         case (indicator_sudden); value = maxval(sudden_errors(self))
          case default; value = peak(kind)
          end select
       end associate
    end function indicator_value
+
+   !> The largest part of a displacement of a frame, asked for, that is lacking.
+   pure real(wp) function drawn_frame(self) result(value)
+      type(body_indicators_type), intent(in) :: self
+      value = 0.0_wp
+      if (allocated(self%drawn)) value = maxval([0.0_wp, drawn_parts(self)])
+   end function drawn_frame
+
+   !> Parts of the displacements of a frame that are lacking (channels); nought of what is not worth a word.
+   pure function drawn_parts(self) result(parts)
+      type(body_indicators_type), intent(in) :: self
+      real(wp) :: parts(size(self%drawn, 2))
+      !> Parts of the size of the frame that displacements and coordinates may lack
+      real(wp), parameter :: least(2) = [1.0e-7_wp, 2.0e-5_wp]
+      integer :: i
+      parts = 0.0_wp
+      do i = 1, size(parts)
+         if (self%drawn(1, i) > self%length*least(merge(2, 1, self%drawing_in%asked(i)%in_space))) &
+            & parts(i) = ratio(self%drawn(1, i), self%drawn(2, i))
+      end do
+   end function drawn_parts
 
    !> Error of the internal forces that are asked for where bending near an end or a load dies out over sqrt(E I/P).
    pure real(wp) function layer_error(self) result(value)
@@ -339,6 +370,20 @@ contains
       errors = errors/(1 + errors)
       where (.not. [self%shows_shear, self%shows_moment, self%shows_reaction]) errors = 0.0_wp
    end function layer_errors
+
+   !> Errors of axial forces, shear forces and bending moments under sudden loads, nought of what no channel asks for (3).
+   pure function sudden_errors(self) result(errors)
+      type(body_indicators_type), intent(in) :: self
+      real(wp) :: errors(3)
+      errors = lost_sections(self%sudden)
+      where (.not. [self%shows_force, self%shows_shear, self%shows_moment]) errors = 0.0_wp
+   end function sudden_errors
+
+   !> Whether anything is to be observed on both sides of an instant at which loads jump.
+   pure logical function looks_at_jumps(self)
+      type(indicators_type), intent(in) :: self
+      looks_at_jumps = size(self%functions%beams) > 0 .or. any(self%bodies%sudden%body > 0)
+   end function looks_at_jumps
 
    !> Phase by which the vibrations are ahead, as a part of the largest deflection: of a model without the inertia of the
    !> shortening, eq. (7.21).
@@ -389,6 +434,8 @@ contains
       case (indicator_recoil_force); t = self%time(peak_recoil_force)
       case (indicator_drawn); t = self%time(peak_drawn)
       case (indicator_strain); t = self%time(peak_strained)
+      case (indicator_sudden); t = 0.0_wp
+         if (self%sudden%when > -huge(t)) t = self%sudden%when
       case default; t = self%time(kind)
       end select
    end function indicator_time
@@ -425,6 +472,11 @@ contains
          call snapshot%keep('modal', self%bodies(i)%modal)
          call snapshot%keep('modal_time', self%bodies(i)%modal_time)
          call snapshot%keep('moving', self%bodies(i)%moving)
+         if (allocated(self%bodies(i)%drawn)) then
+            call snapshot%exchange('drawn', self%bodies(i)%drawn)
+            call snapshot%exchange('drawn_from', self%bodies(i)%drawn_from)
+         end if
+         call self%bodies(i)%sudden%exchange(snapshot)
          call self%bodies(i)%phase%exchange(snapshot)
          call self%bodies(i)%false_damping%exchange(snapshot)
       end do

@@ -250,11 +250,13 @@ contains
 
    !> What the joints make of displacements of the nodes that the frame by itself would have: a motion of the frame, and where that
    !> is not enough forces of the joints, eq. (7.42).
-   subroutine moved_by(self, mesh, u)
+   subroutine moved_by(self, mesh, u, motion)
       type(membrane_type), intent(in) :: self
       type(frame_type), intent(in) :: mesh
       !> (3, nodes)
       real(wp), intent(inout) :: u(:, :)
+      !> That motion, contained in u: along both axes of the frame, and rotation
+      real(wp), intent(out) :: motion(3)
       real(wp) :: side(size(self%inverse, 1))
       integer :: i, rows
       rows = size(self%response, 3)
@@ -266,11 +268,10 @@ contains
       do i = 1, rows
          u = u + side(i)*self%response(:, :, i)
       end do
-      associate (motion => side(rows + 1:rows + 3))
-         u(1, :) = u(1, :) + motion(1) - motion(3)*mesh%place(2, :)
-         u(2, :) = u(2, :) + motion(2) + motion(3)*mesh%place(1, :)
-         u(3, :) = u(3, :) + motion(3)
-      end associate
+      motion = side(rows + 1:rows + 3)
+      u(1, :) = u(1, :) + motion(1) - motion(3)*mesh%place(2, :)
+      u(2, :) = u(2, :) + motion(2) + motion(3)*mesh%place(1, :)
+      u(3, :) = u(3, :) + motion(3)
    end subroutine moved_by
 
    !> Work of the axial forces that were found, on the slopes of the state with those of rotation and coordinates.

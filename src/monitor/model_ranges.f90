@@ -7,12 +7,12 @@ module limber_monitor_model_ranges
    use limber_base_text, only: as_text, newline
    use limber_monitor_function_report, only: function_warnings
    use limber_monitor_indicators, only: indicators_type, body_indicators_type, indicator_value, indicator_time, &
-      & indicator_names, indicator_meanings, layer_errors, peak_unstretched, peak_growth, slow, &
+      & indicator_names, indicator_meanings, layer_errors, drawn_parts, peak_unstretched, peak_growth, slow, &
       & indicator_count, indicator_deflection, indicator_slope, indicator_rotation, &
       & indicator_compression, indicator_pace, indicator_residual, indicator_geometric, indicator_axial, indicator_coarseness, &
       & indicator_lumping, indicator_shortening, indicator_drift, indicator_elongation, indicator_recoil, &
       & indicator_buckling, indicator_layer, indicator_phase, indicator_false_damping, indicator_membrane, indicator_reaction, &
-      & indicator_recoil_force, indicator_drawn, indicator_strain
+      & indicator_recoil_force, indicator_drawn, indicator_strain, indicator_sudden, sudden_errors
    use limber_model_model, only: model_type, body_type
    use limber_output_history, only: history_type
    implicit none
@@ -21,6 +21,9 @@ module limber_monitor_model_ranges
 
    !> Why a frame lacks axial force
    character(*), parameter :: held_apart = ': its joints or its other members hold the ends of members apart as these bend'
+   !> Forces that err near ends under tension, and under sudden loads
+   character(*), parameter :: layer_names(3) = [character(17) :: 'shear forces', 'bending moments', 'moments of joints'], &
+      & sudden_names(3) = [character(15) :: 'axial forces', 'shear forces', 'bending moments']
    !> Part of the length below which a deflection is none, and part of the largest one of the scene below which it does not matter
    real(wp), parameter :: nothing = 1.0e-9_wp, negligible = 1.0e-3_wp
    !> Growth of a small deflection under a compression beyond Euler's load, as a logarithm, that makes it large
@@ -78,6 +81,8 @@ contains
          limit = 0.03_wp
       case (indicator_elongation, indicator_recoil, indicator_drawn)
          limit = 0.05_wp
+      case (indicator_sudden)
+         limit = 0.03_wp
       case (indicator_buckling, indicator_layer)
          if (.not. linear) limit = 0.05_wp
       case (indicator_strain)
@@ -242,15 +247,20 @@ contains
             & ' of '//percent//' of the largest so far'//when//': axial forces and reactions err by that'
          if (body%reduced%geometric) text = text//', and by many times as much where these feed axial vibrations'
       case (indicator_drawn)
-         text = 'is drawn in by its bending, which '//fidelity(body)//' leaves out: displacements along it (u1) err by '// &
-            & percent//' of the largest'//when
+         text = 'displacements along it (u1) err by '//percent//' of the largest'
+         if (body%is_frame) text = indicators%drawing_in%asked(maxloc(drawn_parts(indicators), dim=1))%name//' errs by '// &
+            & percent//' of its largest change'
+         text = 'is drawn in by its bending, which '//fidelity(body)//' leaves out: '//text//when
       case (indicator_buckling)
          text = 'is compressed by '//as_text(indicator_value(indicators, indicator_compression), 2)//' times its Euler load'// &
             & when//', which its functions take '//as_text(100*indicators%misfit, 2)//' % too large: they do not fit how its'// &
             & ' joints hold it'
       case (indicator_layer)
          text = 'is pulled so much that it bends near ends and loads over less length than its functions can follow'//when// &
-            & ': '//lost_forces(layer_errors(indicators))
+            & ': '//lost_forces(layer_names, layer_errors(indicators), 'there ')
+      case (indicator_sudden)
+         text = 'vibrates under sudden or fast loads'//when//' as its coordinates do not: '// &
+            & lost_forces(sudden_names, sudden_errors(indicators), '')
       case (indicator_membrane)
          text = 'lacks axial force that changes its deflection by about '//percent//when
          if (excess(indicators, body, indicator_reaction) > 1.0_wp) text = text//', and axial forces and reactions by about '// &
@@ -277,11 +287,11 @@ contains
    end function what_is_wrong
 
    !> Internal forces that are asked for and err in layers, each with its size.
-   pure function lost_forces(errors) result(text)
-      !> Of shear forces, bending moments, moments of joints
+   pure function lost_forces(names, errors, where) result(text)
+      !> Names of the forces, their errors, and where these are, with a blank behind
+      character(*), intent(in) :: names(3), where
       real(wp), intent(in) :: errors(3)
       character(:), allocatable :: text
-      character(*), parameter :: names(3) = [character(17) :: 'shear forces', 'bending moments', 'moments of joints']
       real(wp), parameter :: small = 0.02_wp
       integer :: i
       text = ''
@@ -290,7 +300,7 @@ contains
          if (text /= '') then
             text = text//', '//trim(names(i))//' by '
          else
-            text = trim(names(i))//' there err by '
+            text = trim(names(i))//' '//where//'err by '
          end if
          if (errors(i) > beyond) text = text//'more than '//as_text(100*beyond, 2)//' %'
          if (.not. errors(i) > beyond) text = text//'about '//as_text(100*errors(i), 2)//' %'
@@ -316,6 +326,8 @@ contains
       select case (kind)
       case (indicator_layer)
          text = 'use GEOMETRIC=EXACT, more BENDING MODES and ELEMENTS, or the forces of the joints'
+      case (indicator_sudden)
+         text = 'use GEOMETRIC=EXACT, more BENDING MODES, or loads that grow in time'
       case (indicator_coarseness)
          text = 'use GEOMETRIC ELEMENTS='//as_text(ceiling(1.2_wp*indicators%elements*sqrt(over)))
          text = text//', or GEOMETRIC INTEGRAL=LINEAR, or GEOMETRIC=EXACT'
@@ -337,6 +349,7 @@ contains
       divisions = maxval(body%mesh%first(2:) - body%mesh%first(:size(body%mesh%first) - 1))
       select case (kind)
       case (indicator_layer); text = 'use LARGE=YES, or more MODES and DIVISIONS'
+      case (indicator_sudden); text = 'use more MODES, LARGE=YES, or loads that grow in time'
       case (indicator_axial)
          text = 'use CORRECTIONS=YES'
          if (body%frame_choice%accelerations) text = 'use more MODES, or LARGE=YES'

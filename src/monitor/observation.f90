@@ -13,6 +13,7 @@ module limber_monitor_observation
    use limber_monitor_false_damping, only: observe_false_damping
    use limber_monitor_function_watch, only: observe_functions
    use limber_monitor_lumping_phase, only: observe_phase, observe_swings
+   use limber_monitor_modal_sudden, only: observe_modal_sudden
    use limber_monitor_frame_watch, only: observe_frames
    use limber_model_model, only: body_type, ground
    use limber_multibody_plane_vectors, only: cross
@@ -48,6 +49,8 @@ contains
             if (self%bodies(i)%is_rigid) self%bodies(i)%pressed = 0.0_wp
             call observe_false_damping(self%bodies(i)%false_damping, system%model%bodies(self%bodies(i)%body)%reduced, t, &
                & cross(u, v(first + 2:first + 3)), eta, rate)
+            if (self%bodies(i)%sudden%body > 0) call observe_modal_sudden(self%bodies(i)%sudden, system, work, &
+               & self%functions%kind, t, q, v, a)
             call observe_phase(self%bodies(i)%phase, system, work, self%bodies(i)%body, t, q, v, a)
             if (.not. self%bodies(i)%is_beam) cycle
             associate (stations => self%sets(self%bodies(i)%set)%stations)

@@ -93,10 +93,12 @@ contains
    end subroutine free_matrices
 
    !> Whether small motions about a state grow, with all velocity terms, and which grows the fastest.
-   subroutine find_growth(system, tangent, freedom, growth, frequency, motion, done)
+   subroutine find_growth(system, tangent, freedom, fastest, growth, frequency, motion, done)
       type(system_type), intent(in) :: system
       type(tangent_type), intent(in) :: tangent
       type(free_motions_type), intent(in) :: freedom
+      !> Frequency above which vibrations do not count [rad/time]
+      real(wp), intent(in) :: fastest
       !> Largest Re s, with its |Im s| [1/time], both zero if none grows; a frequency of zero is divergence, any other is flutter
       real(wp), intent(out) :: growth, frequency
       !> Its real part in the layout of the rates (nw), scaled to unit length; unchanged if none grows
@@ -105,24 +107,24 @@ contains
       logical, intent(out) :: done
       real(wp), allocatable :: mass(:, :), damper(:, :), stiffness(:, :)
       complex(wp), allocatable :: value(:), vector(:, :)
-      integer :: j, fastest
+      integer :: j, found
       growth = 0.0_wp
       frequency = 0.0_wp
       call free_matrices(system, tangent, freedom, mass, damper, stiffness)
       call quadratic_modes(mass, damper, stiffness, 2*size(mass, 1), value, vector)
       done = allocated(value)
       if (.not. done) return
-      fastest = 0
+      found = 0
       do j = 1, size(value)
          if (kind_of_growth(aimag(value(j)), real(value(j), wp), maxval(abs(damper)) > 0.0_wp) == '') cycle
-         if (real(value(j), wp) <= growth) cycle
+         if (real(value(j), wp) <= growth .or. aimag(value(j)) > fastest) cycle
          growth = real(value(j), wp)
-         fastest = j
+         found = j
       end do
-      if (fastest == 0) return
-      frequency = aimag(value(fastest))
+      if (found == 0) return
+      frequency = aimag(value(found))
       if (kind_of_growth(frequency, growth, .true.) == 'divergence') frequency = 0.0_wp
-      motion = matmul(freedom%basis, real(vector(:, fastest), wp))
+      motion = matmul(freedom%basis, real(vector(:, found), wp))
       motion = motion/norm2(motion/rate_scales(system))
    end subroutine find_growth
 

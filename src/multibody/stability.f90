@@ -38,7 +38,7 @@ contains
          return
       end if
       if (balance%potential .or. balance%neutral .or. size(balance%freedom%basis, 2) == 0) return
-      call find_growth(system, balance%tangent, balance%freedom, growth, balance%frequency, balance%softest, done)
+      call find_growth(system, balance%tangent, balance%freedom, balance%fastest, growth, balance%frequency, balance%softest, done)
       if (.not. done) return
       balance%stable = .not. growth > 0.0_wp
       balance%flutters = growth > 0.0_wp .and. balance%frequency > 0.0_wp

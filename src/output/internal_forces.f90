@@ -19,7 +19,8 @@ module limber_output_internal_forces
    implicit none
    private
    public :: renew_efforts
-   public :: section_forces_type, new_efforts, start_effort, hold_efforts, gather_efforts, gather_exact, join_envelopes, &
+   public :: section_forces_type, new_efforts, start_effort, hold_efforts, gather_efforts, gather_exact, gather_modal, &
+      & join_envelopes, &
       & section_forces, &
       & stresses, strength_at
 
@@ -136,36 +137,46 @@ contains
       type(workspace_type), intent(in) :: work
       !> Coordinates, velocities, accelerations (nq)
       real(wp), intent(in) :: q(:), v(:), a(:)
-      integer :: i, first, last, n
-      real(wp) :: u(2), heavy(2)
+      integer :: i, first, last
       do i = 1, size(efforts)
          if (.not. allocated(efforts(i)%amplitude)) cycle
-         n = system%layout%n(i)
-         first = system%layout%q(i)
-         last = first + 3 + n
-         u = q(first + 2:first + 3)
+         first = system%layout%q(i) + 4
+         last = first - 1 + system%layout%n(i)
          if (allocated(efforts(i)%exact)) then
             call gather_exact(efforts(i), system, work, i, system%model%bodies(i)%recovery, q, v, a)
-            call settle_sections(system%model%bodies(i), efforts(i)%sections, q(first + 4:last), v(first + 4:last), &
-               & efforts(i)%exact)
-            if (allocated(efforts(i)%extremes)) call stretch_envelope(efforts(i), system, i, q(first + 4:last))
-            cycle
+            call settle_sections(system%model%bodies(i), efforts(i)%sections, q(first:last), v(first:last), efforts(i)%exact)
+         else
+            call gather_modal(efforts(i), system, work, i, q, v, a)
          end if
-         heavy = a(first:first + 1) - system%model%gravity
-         heavy = [dot_product(u, heavy), cross(u, heavy)]
-         associate (body => system%model%bodies(i)%reduced)
-            if (allocated(body%damping) .and. .not. efforts(i)%held) efforts(i)%lacking = matmul(body%damping, v(first + 4:last)) &
-               & /body%omega2
-         end associate
-         efforts(i)%amplitude = 0.0_wp
-         call amplitudes(heavy, cross(u, v(first + 2:first + 3)), cross(u, a(first + 2:first + 3)), q(first + 4:last), &
-            & v(first + 4:last), a(first + 4:last), efforts(i)%amplitude)
-         call add_reactions(efforts(i), system, work, i, q)
-         if (allocated(efforts(i)%geometric)) call geometric_state(system%model%bodies(i)%recovery, q(first + 4:last), &
-            & efforts(i)%amplitude, efforts(i)%lacking, efforts(i)%geometric)
-         if (allocated(efforts(i)%extremes)) call stretch_envelope(efforts(i), system, i, q(first + 4:last))
+         if (allocated(efforts(i)%extremes)) call stretch_envelope(efforts(i), system, i, q(first:last))
       end do
    end subroutine gather_efforts
+
+   !> Amplitudes of a body with modes; multipliers, Jacobians and kinematics are those of the state.
+   subroutine gather_modal(effort, system, work, body, q, v, a)
+      type(section_forces_type), intent(inout) :: effort
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(in) :: work
+      integer, intent(in) :: body
+      !> Coordinates, velocities, accelerations (nq)
+      real(wp), intent(in) :: q(:), v(:), a(:)
+      real(wp) :: heavy(2)
+      integer :: first, last
+      first = system%layout%q(body)
+      last = first + 3 + system%layout%n(body)
+      heavy = a(first:first + 1) - system%model%gravity
+      associate (u => q(first + 2:first + 3), eta => q(first + 4:last), rate => v(first + 4:last), &
+         & of => system%model%bodies(body))
+         heavy = [dot_product(u, heavy), cross(u, heavy)]
+         if (allocated(of%reduced%damping) .and. .not. effort%held) effort%lacking = matmul(of%reduced%damping, rate) &
+            & /of%reduced%omega2
+         effort%amplitude = 0.0_wp
+         call amplitudes(heavy, cross(u, v(first + 2:first + 3)), cross(u, a(first + 2:first + 3)), eta, rate, a(first + 4:last), &
+            & effort%amplitude)
+         call add_reactions(effort, system, work, body, q)
+         if (allocated(effort%geometric)) call geometric_state(of%recovery, eta, effort%amplitude, effort%lacking, effort%geometric)
+      end associate
+   end subroutine gather_modal
 
    !> Internal forces at all sections of an exact beam; multipliers, Jacobians and kinematics are those of the state.
    subroutine gather_exact(effort, system, work, body, recovery, q, v, a)

@@ -51,6 +51,9 @@ program test_frames
    call check_lattice()
    call check_numbers()
    call check_shortening()
+   call check_drawn_in()
+   call check_units()
+   call check_flutter()
    call finish()
 
 contains
@@ -301,6 +304,89 @@ contains
       deflection = load/(2*tension*k)*(a - tanh(a))
    end subroutine held_beam
 
+   !> The knee of a portal on hinges that sways goes down by the bending of its column: exact members have it (0.3682 % of the
+   !> height), and the default is told to lack 68 % of it, of the channel that shows it only.
+   subroutine check_drawn_in()
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: y(:)
+      character(:), allocatable :: warnings
+      character(*), parameter :: shown(2) = ['y', 'x']
+      real(wp) :: kept(2)
+      integer :: i, k
+      do k = 1, 2
+         do i = 1, 2
+            call run_scene('*MATERIAL, NAME=steel, YOUNG=2.1e11, DENSITY=7850'//nl// &
+               & '*SECTION, NAME=c, SHAPE=RECTANGLE, WIDTH=0.05, HEIGHT=0.02'//nl//'*FRAME, NAME=f, MATERIAL=steel, SECTION=c'// &
+               & trim(merge(', LARGE=YES', '           ', i == 2))//nl//'*NODE'//nl//' 1, 0, 0, foot'//nl//' 2, 0, 1, knee'//nl// &
+               & ' 3, 1.5, 1'//nl//' 4, 1.5, 0, far'//nl//'*ELEMENT'//nl//' 1, 1, 2'//nl//' 2, 2, 3'//nl//' 3, 3, 4'//nl// &
+               & '*GROUND'//nl//' far, 1.5, 0'//nl//'*JOINT, NAME=a, TYPE=REVOLUTE'//nl//' f.foot, ground.origin'//nl// &
+               & '*JOINT, NAME=b, TYPE=REVOLUTE'//nl//' f.far, ground.far'//nl//'*FORCE, NAME=w, POINT=f.knee'//nl// &
+               & ' 2000, 0'//nl//'*STATICS, INCREMENTS=1'//nl//'*OUTPUT'//nl//' y = '//shown(k)//'(f.knee)'//nl, reader, warnings)
+            y = channel(reader, 'y')
+            kept(i) = y(size(y)) - merge(1.0_wp, 0.0_wp, k == 1)
+            call reader%close()
+            call check((index(warnings, 'y(f.knee) errs by 68 %') > 0) .eqv. i == 1 .and. k == 1, 'drawn in: '//warnings)
+         end do
+         if (k == 1) call check_close(kept(1)/kept(2), 1 - 0.68_wp, 0.02_wp, 'what the default has of it')
+         if (k == 2) call check_close(kept(1)/kept(2), 1.0_wp, 1.0e-2_wp, 'the sway itself')
+      end do
+   end subroutine check_drawn_in
+
+   !> A clamped L-frame with the default functions, and the same in other units: all its frequencies. The responses to its own
+   !> accelerations, of which only the centrifugal one bends a frame that has no support, were round-off that became functions:
+   !> frequencies differed by up to 15 %.
+   subroutine check_units()
+      type(history_reader_type) :: reader
+      character(:), allocatable :: warnings
+      real(wp) :: found(10, 2)
+      integer :: i
+      do i = 1, 2
+         call run_scene(bent(i, 0.0_wp, '')//'*MODES, NUMBER=10'//nl//'*OUTPUT'//nl//' x(f.end)'//nl, reader, warnings)
+         call first_frequency(reader, found(:, i))
+         call reader%close()
+      end do
+      print '(a,10es9.1)', 'units', found(:, 2)/found(:, 1)/(found(1, 2)/found(1, 1)) - 1
+      do i = 1, 10
+         call check_close(found(i, 2)/found(i, 1)/(found(1, 2)/found(1, 1)), 1.0_wp, 1.0e-6_wp, 'units')
+      end do
+   end subroutine check_units
+
+   !> A load along its girder that follows it: vibrations above its modes seem to grow, and do not with more modes. They are told
+   !> and not counted, in all units; and the frequencies are checked about that state.
+   subroutine check_flutter()
+      type(history_reader_type) :: reader
+      character(:), allocatable :: warnings
+      integer :: i
+      do i = 1, 2
+         call run_scene(bent(i, 12633.09363339438_wp, '*DISTRIBUTED LOAD, NAME=d, BODY=f, MEMBER=2, FOLLOWER=YES')// &
+            & '*STATICS, INCREMENTS=4, INSTABILITY=STOP'//nl//'*MODES, NUMBER=9'//nl//'*OUTPUT'//nl//' x(f.end)'//nl, reader, &
+            & warnings)
+         call reader%close()
+         call check(index(warnings, 'but not with more modes') > 0 .and. index(warnings, 'unstable') == 0 .and. &
+            & index(warnings, 'errs in its frequency') > 0, 'flutter of functions: '//warnings)
+      end do
+   end subroutine check_flutter
+
+   !> An L-frame of 1 and 1.2 m, clamped at its foot: in m, kg, s, or with other lengths, masses and times.
+   function bent(units, load, option) result(text)
+      integer, intent(in) :: units
+      !> Along member 2 [N/m]
+      real(wp), intent(in) :: load
+      !> The block of a load along member 2; empty: none
+      character(*), intent(in) :: option
+      character(:), allocatable :: text
+      real(wp) :: l, m, t
+      l = merge(1.0_wp, 3.7_wp, units == 1)
+      m = merge(1.0_wp, 0.013_wp, units == 1)
+      t = merge(1.0_wp, 41.0_wp, units == 1)
+      text = '*MATERIAL, NAME=m, YOUNG='//as_text(2.0e11_wp*m/(l*t**2), 17)//', DENSITY='//as_text(7800*m/l**3, 17)//nl// &
+         & '*SECTION, NAME=s, SHAPE=RECTANGLE, WIDTH='//as_text(0.02_wp*l, 17)//', HEIGHT='//as_text(0.04_wp*l, 17)//nl// &
+         & '*FRAME, NAME=f, MATERIAL=m, SECTION=s'//nl//'*NODE'//nl//' 1, 0, 0, foot'//nl//' 2, 0, '//as_text(l, 17)//nl// &
+         & ' 3, '//as_text(1.2_wp*l, 17)//', '//as_text(l, 17)//', end'//nl//'*ELEMENT'//nl//' 1, 1, 2'//nl//' 2, 2, 3'//nl// &
+         & '*JOINT, NAME=j, TYPE=WELD'//nl//' f.foot, ground.origin'//nl
+      if (option /= '') text = text//option//nl//' '//as_text(load*m/t**2, 17)//', 0'//nl
+   end function bent
+
    !> Runs a scene.
    subroutine run_scene(text, reader, warnings)
       character(*), intent(in) :: text
@@ -396,7 +482,7 @@ contains
       real(wp), allocatable :: shear(:), moment(:)
       character(:), allocatable :: warnings
       real(wp), parameter :: pulls(4) = [25.0_wp, 120.0_wp, 500.0_wp, 5000.0_wp], tolerance(4) = [1.0e-4_wp, 5.0e-4_wp, &
-         & 6.0e-3_wp, 0.3_wp], side = 1.0e-3_wp
+         & 8.0e-3_wp, 0.3_wp], side = 1.0e-3_wp
       integer :: i
       do i = 1, size(pulls)
          call run_scene('*MATERIAL, NAME=m, YOUNG=1e6, DENSITY=1'//nl//'*SECTION, NAME=s, SHAPE=GENERAL, AREA=1, INERTIA=1e-6' &
@@ -623,13 +709,14 @@ contains
    !> Of *MODES [rad/s].
    subroutine first_frequency(reader, found)
       type(history_reader_type), intent(inout) :: reader
-      real(wp), intent(out) :: found(1)
+      !> As many as are wanted
+      real(wp), intent(out) :: found(:)
       real(wp), allocatable :: values(:)
       type(error_type), allocatable :: error
       call reader%read_numbers('/modes/modes/frequency', values, error)
       call check_no_error(error, 'frequencies')
       found = 0.0_wp
-      if (.not. allocated(error)) found = values(1)
+      if (.not. allocated(error)) found = values(:size(found))
    end subroutine first_frequency
 
 end program test_frames

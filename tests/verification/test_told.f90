@@ -1,7 +1,7 @@
 !> What a run must tell, or do right, beside its numbers: work that goes to and fro many times, against the kinetic energy; statics
 !> beyond the reach of a driver; speeds that drivers change abruptly in analyses without dynamics; all bodies whose first
 !> velocities the joints do not allow; velocities with which CONSERVING leaves a curve; swings of lumped
-!> masses; wheels; zeros that joints hold.
+!> masses; wheels; zeros that joints hold; section forces of bodies with modes under sudden loads.
 !> Usage, in tests/: test_told RESULT_FILE
 program test_told
    use limber_base_kinds, only: wp
@@ -39,6 +39,7 @@ program test_told
    call check_centre()
    call check_massless()
    call check_damped()
+   call check_sudden()
    call finish()
 
 contains
@@ -404,6 +405,73 @@ contains
       call check(allocated(error), 'a summary is of a channel')
       if (allocated(error)) call check(index(error%message, 'name = y(a.tip)') > 0, 'told with the remedy: '//error%message)
    end subroutine check_messages
+
+   !> A cantilever with modes under a force on its tip that comes at once, or slowly. The moment at the wall is that of 200
+   !> vibrations, 4 F L/beta^2 each with alternating signs: what the coordinates lack of it is told to a factor of 2.5, and nothing
+   !> if it is little.
+   subroutine check_sudden()
+      character(48), parameter :: models(5) = [character(48) :: 'K_G, BENDING MODES=1, AXIAL MODES=0', 'K_G, BENDING MODES=2', &
+         & 'K_G, BENDING MODES=6', 'LINEAR, MODES=6', 'K_G, BENDING MODES=2']
+      character(16), parameter :: laws(5) = [character(16) :: '1', '1', 'step(t - 0.1)', '1', 'smoothstep(t)']
+      type(error_type), allocatable :: error
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: moment(:), time(:), exact(:)
+      real(wp) :: told, err
+      integer :: i
+      do i = 1, size(models)
+         call run_text('*MATERIAL, NAME=steel, YOUNG=2e11, DENSITY=7850'//nl// &
+            & '*SECTION, NAME=s, SHAPE=RECTANGLE, WIDTH=0.02, HEIGHT=0.005'//nl// &
+            & '*BEAM, NAME=arm, MATERIAL=steel, SECTION=s, LENGTH=1, SUPPORT=CLAMPED-FREE, ELEMENTS=60, GEOMETRIC='// &
+            & trim(models(i))//nl//'*JOINT, NAME=w, TYPE=WELD'//nl//' arm.start, ground.origin'//nl// &
+            & '*FORCE, NAME=f, POINT=arm.end'//nl//' 0, '//trim(laws(i))//nl// &
+            & '*DYNAMICS, END=0.5, OUTPUTS=2000, INTEGRATOR=ADAMS, TOLERANCE=1e-7'//nl//'*OUTPUT'//nl// &
+            & ' m = bending_moment(arm.start)'//nl, trim(results), report, error)
+         call check_no_error(error, 'sudden '//models(i))
+         if (allocated(error)) return
+         told = told_moment()
+         if (i == 5) then
+            call check(told <= 0.0_wp, 'a slow force: nothing is told: '//report)
+            cycle
+         end if
+         call reader%open(trim(results), error)
+         call reader%read_time(time, error)
+         moment = channel(reader, 'm')
+         call reader%close()
+         exact = struck_wall(time - merge(0.1_wp, 0.0_wp, i == 3))
+         err = maxval(abs(moment - exact))/maxval(abs(exact))
+         print '(2a,2f8.4)', 'sudden: ', models(i), err, told
+         call check(told > 0.7_wp*err .and. told < 2.5_wp*err, 'sudden '//models(i)//': '//report)
+      end do
+   end subroutine check_sudden
+
+   !> Moment at the wall of that cantilever.
+   pure function struck_wall(time) result(moment)
+      real(wp), intent(in) :: time(:)
+      real(wp) :: moment(size(time)), beta, omega
+      real(wp), parameter :: first(3) = [1.8751040687119611_wp, 4.6940911329741746_wp, 7.8547574382376126_wp], &
+         & pi = acos(-1.0_wp), ei = 2.0e11_wp*0.02_wp*0.005_wp**3/12, mass = 7850*0.02_wp*0.005_wp
+      integer :: j
+      moment = 0.0_wp
+      do j = 1, 200
+         beta = merge(first(min(j, size(first))), (j - 0.5_wp)*pi, j <= size(first))
+         omega = beta**2*sqrt(ei/mass)
+         moment = moment + 4*(-1)**(j + 1)/beta**2*(1 - cos(omega*max(time, 0.0_wp)))
+      end do
+   end function struck_wall
+
+   !> Part of the bending moments that the last report tells as an error under sudden loads; zero if it tells of none.
+   real(wp) function told_moment() result(part)
+      integer :: from, to
+      part = 0.0_wp
+      from = index(report, 'as its coordinates do not')
+      if (from == 0) return
+      if (index(report(from:), 'bending moments') == 0) return
+      from = from - 1 + index(report(from:), 'bending moments')
+      from = from + index(report(from:), 'about') + 4
+      to = from - 2 + index(report(from:), '%')
+      read (report(from:to), *) part
+      part = part/100
+   end function told_moment
 
    !> The work of a scene at the end.
    subroutine check_sum(scene, work, most, what)

@@ -12,7 +12,7 @@ module limber_model_beam_choice
    use limber_model_body_parts, only: is_part
    use limber_model_beam_layers, only: layer_lengths
    use limber_model_beam_features, only: read_features, refuse_features
-   use limber_model_points, only: find_named
+   use limber_model_points, only: find_named, lies_outside
    use limber_model_model, only: body_type
    use limber_model_sections, only: read_section
    use limber_model_beam_segments, only: choose_frame, piece_at
@@ -96,7 +96,7 @@ contains
             associate (line => deck%blocks(i)%lines(k))
                before = diagnostics%count
                x = beam_place(deck, deck%blocks(index), line, diagnostics)
-               if (diagnostics%count == before .and. (x < 0.0_wp .or. x > deck%blocks(index)%real('LENGTH'))) &
+               if (diagnostics%count == before .and. lies_outside(x, deck%blocks(index)%real('LENGTH'))) &
                   & call diagnostics%add(line%origin_of(1), 'the mass lies outside the beam', &
                   & 'give a coordinate from 0 to '//as_text(deck%blocks(index)%real('LENGTH')))
                if (diagnostics%count > before .or. piece_at(x, body%beam%length, pieces) /= piece) cycle
@@ -234,14 +234,14 @@ contains
                x = beam_place(deck, deck%blocks(index), line, diagnostics)
                if (diagnostics%count > before) cycle
                part = findloc([1, 2, 6], nint(line%number(2)), dim=1)
-               if (x < 0.0_wp .or. x > length) then
+               if (lies_outside(x, length)) then
                   call diagnostics%add(line%origin_of(1), 'the attachment lies outside the beam', &
                      & 'give a coordinate from 0 to '//as_text(length))
                else if (part == 0) then
                   call diagnostics%add(line%origin_of(2), 'a beam has no degree of freedom '//as_text(nint(line%number(2))), &
                      & 'give 1 (along), 2 (across) or 6 (rotation)')
                else
-                  named = [named, attachment_type(1, x, part)]
+                  named = [named, attachment_type(1, min(max(x, 0.0_wp), length), part)]
                end if
             end associate
          end do

@@ -13,7 +13,7 @@ module limber_model_beams
    use limber_model_beam_options, only: check_options
    use limber_model_beam_choice, only: read_beam
    use limber_model_bodies, only: new_body, append_body, is_new_point, memory_of, warn_of_rounding
-   use limber_model_points, only: enter_name, find_named
+   use limber_model_points, only: enter_name, find_named, lies_outside
    use limber_model_model, only: model_type, body_type, body_rigid, body_flexible
    use limber_model_beam_segments, only: number_of_pieces, place_piece, piece_at, unite, weld_pieces, add_beam_point
    implicit none
@@ -232,7 +232,7 @@ contains
       model%bodies(first:first + pieces - 1)%end_point = model%counts%points
       do i = 1, size(block%lines)
          associate (line => block%lines(i))
-            if (line%number(2) < 0.0_wp .or. line%number(2) > block%real('LENGTH')) then
+            if (lies_outside(line%number(2), block%real('LENGTH'))) then
                call diagnostics%add(line%origin_of(2), 'the point lies outside the beam', &
                   & 'give a coordinate from 0 to '//as_text(length))
                cycle

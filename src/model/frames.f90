@@ -16,7 +16,7 @@ module limber_model_frames
    use limber_model_bodies, only: new_body, append_body, is_new_point, warn_of_rounding
    use limber_model_frame_draft, only: draft_type, read_draft, member_of, node_named
    use limber_model_body_parts, only: is_part
-   use limber_model_points, only: add_point
+   use limber_model_points, only: add_point, lies_outside
    use limber_model_model, only: model_type, body_type, body_flexible, body_rigid
    use limber_model_short_beams, only: weigh_frame
    implicit none
@@ -306,11 +306,11 @@ contains
                   cycle
                end if
                length = norm2(draft%place(:, draft%members(member)%ends(2)) - draft%place(:, draft%members(member)%ends(1)))
-               if (line%number(3) < 0.0_wp .or. line%number(3) > length*(1 + 1.0e-12_wp)) then
+               if (lies_outside(line%number(3), length)) then
                   call diagnostics%add(line%origin_of(3), 'the point lies outside the member', &
                      & 'give a coordinate from 0 to '//as_text(length))
                else if (is_new_point(model, model%bodies(owner)%name//'.'//line%text(1), line%origin_of(1), diagnostics)) then
-                  call place_point(line%text(1), member, min(line%number(3), length), 1)
+                  call place_point(line%text(1), member, min(max(line%number(3), 0.0_wp), length), 1)
                end if
             end associate
          end do

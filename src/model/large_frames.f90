@@ -11,7 +11,7 @@ module limber_model_large_frames
    use limber_deck_reader, only: read_deck_text
    use limber_model_frame_draft, only: draft_type, read_draft, member_of
    use limber_model_body_parts, only: is_part
-   use limber_model_points, only: find_body, find_named
+   use limber_model_points, only: find_body, find_named, lies_outside
    use limber_model_model, only: model_type, whole_type
    use limber_model_beam_segments, only: append_whole
    use limber_model_short_beams, only: weigh_frame
@@ -78,13 +78,14 @@ contains
       call deck%index_names()
    end subroutine expand_frames
 
-   !> Reports a *BOUNDARY on a large frame.
+   !> Reports a *BOUNDARY on a large frame, and points beside its members.
    subroutine check_frame(deck, index, draft, diagnostics)
       type(deck_type), intent(in) :: deck
       integer, intent(in) :: index
       type(draft_type), intent(in) :: draft
       type(diagnostics_type), intent(inout) :: diagnostics
-      integer :: i
+      real(wp) :: length
+      integer :: i, m
       if (count(.not. draft%free(:, :size(draft%node))) > 3) then
          do i = 1, size(deck%blocks)
             if (deck%blocks(i)%keyword /= 'BOUNDARY') cycle
@@ -93,6 +94,18 @@ contains
                & 'hold them by *JOINT, at the ground or at another body')
          end do
       end if
+      do i = 1, size(deck%blocks(index)%lines)
+         associate (point => deck%blocks(index)%lines(i))
+            m = member_of(draft, nint(point%number(2)))
+            if (m == 0) then
+               call diagnostics%add(point%origin_of(2), 'this frame has no member '//as_text(nint(point%number(2))))
+               cycle
+            end if
+            length = norm2(draft%place(:, draft%members(m)%ends(2)) - draft%place(:, draft%members(m)%ends(1)))
+            if (lies_outside(point%number(3), length)) call diagnostics%add(point%origin_of(3), &
+               & 'the point lies outside the member', 'give a coordinate from 0 to '//as_text(length))
+         end associate
+      end do
    end subroutine check_frame
 
    !> Writes one member: a beam with named points and masses.

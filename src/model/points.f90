@@ -8,9 +8,17 @@ module limber_model_points
    use limber_model_model, only: model_type, point_type
    implicit none
    private
-   public :: add_point, find_point, find_body, find_named, enter_name
+   public :: add_point, find_point, find_body, find_named, enter_name, lies_outside
 
 contains
+
+   !> Whether a coordinate along a beam or member is not on it. Round-off of a coordinate that is computed does not matter.
+   elemental logical function lies_outside(x, length)
+      !> [length]
+      real(wp), intent(in) :: x, length
+      real(wp), parameter :: round_off = 1.0e-12_wp
+      lies_outside = x < -round_off*length .or. x > (1 + round_off)*length
+   end function lies_outside
 
    !> Appends a point. Its index is the new number of points, `model%counts%points`.
    subroutine add_point(model, name, body, p0, phi, psi, reach)

@@ -54,6 +54,7 @@ program test_frames
    call check_drawn_in()
    call check_units()
    call check_flutter()
+   call check_places()
    call finish()
 
 contains
@@ -366,6 +367,34 @@ contains
             & index(warnings, 'errs in its frequency') > 0, 'flutter of functions: '//warnings)
       end do
    end subroutine check_flutter
+
+   !> Points at the end of a member whose coordinate is computed, one unit of the last digit beyond it, are on it; others are not,
+   !> and are told where they stand.
+   subroutine check_places()
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report
+      character(*), parameter :: kinds(3) = [character(11) :: ', LARGE=YES', ', LARGE=NO', 'beam']
+      character(*), parameter :: stuffs = '*MATERIAL, NAME=m, YOUNG=1e9, DENSITY=1000'//nl// &
+         & '*SECTION, NAME=s, SHAPE=RECTANGLE, WIDTH=0.1, HEIGHT=0.1'//nl
+      character(:), allocatable :: body
+      integer :: i, k
+      do i = 1, size(kinds)
+         do k = 1, 2
+            body = trim(merge('0.4        ', '0.1 + 0.1*2', k == 2))
+            if (kinds(i) == 'beam') then
+               body = '*BEAM, NAME=f, MATERIAL=m, SECTION=s, LENGTH=0.3'//nl//' foot, 0'//nl//' tip, '//body//nl
+            else
+               body = '*FRAME, NAME=f, MATERIAL=m, SECTION=s'//trim(kinds(i))//nl//' tip, 1, '//body//nl//'*NODE'//nl// &
+                  & ' 1, 0, 0, foot'//nl//' 2, 0, 0.3'//nl//'*ELEMENT'//nl//' 1, 1, 2'//nl
+            end if
+            call run_text(stuffs//body//'*JOINT, NAME=j, TYPE=WELD'//nl//' f.foot, ground.origin'//nl//'*GRAVITY'//nl// &
+               & '*STATICS'//nl//'*OUTPUT'//nl//' x(f.tip)'//nl, trim(results), report, error)
+            call check(allocated(error) .eqv. k == 2, 'a point at the end: '//kinds(i))
+            if (allocated(error) .and. k == 2) call check(index(error%message, 'error: the point lies outside') > 0 .and. &
+               & index(error%message, '0.4') > 0, 'a point beyond the end: '//error%message)
+         end do
+      end do
+   end subroutine check_places
 
    !> An L-frame of 1 and 1.2 m, clamped at its foot: in m, kg, s, or with other lengths, masses and times.
    function bent(units, load, option) result(text)

@@ -20,8 +20,8 @@ module limber_analysis_dynamic_analysis
    use limber_monitor_indicator_start, only: start_indicators
    use limber_scene_joint_check, only: watches_joints
    use limber_scene_law_checks, only: find_instants
-   use limber_analysis_looks, only: look, look_at_end
-   use limber_monitor_function_sudden, only: at_start, in_motion
+   use limber_analysis_looks, only: look, look_at_end, observe_state
+   use limber_monitor_function_sudden, only: at_start, in_motion, before_break, behind_break
    use limber_monitor_noise, only: noise_of
    use limber_scene_outcome, only: outcome_type, warn
    use limber_scene_sampling, only: sample_type, sample_time, record, look_between, check_energy, check_residuals, &
@@ -523,10 +523,12 @@ contains
          call tell_kinks(pieces, scene%system, outcome)
          call tell_passages(added, scene%system, crossings, dynamics, outcome)
          call release_pieces(scene%system)
+         if (looks_at_jumps(outcome%indicators)) call observe_state(scene, t, before_break, sample, outcome)
          call set_states(scene, t, turned_states(events, scene%system), events%turning, integrator%tolerance, sample, renewed, &
             & outcome, error)
          if (allocated(error)) return
          call forget_system(sample)
+         if (looks_at_jumps(outcome%indicators)) call observe_state(scene, t, behind_break, sample, outcome)
          integrator%work_at_start = sample%w
          if (renewed) then
             call replace_integrator(scene, dynamics, costs, t, sample, integrator, error)

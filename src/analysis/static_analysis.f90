@@ -81,7 +81,7 @@ contains
       call tell_shapes(shapes, outcome%indicators%functions)
       if (.not. allocated(error) .and. statics%stable .and. statics%report == '') &
          & call check_state(scene, step, statics, aside, outcome)
-      if (statics%uncounted /= '') call warn(outcome, title(step)//': '//statics%uncounted)
+      if (allocated(statics%flutter%text)) call warn(outcome, title(step)//': '//statics%flutter%text)
       call load_scene(scene, step, 1.0_wp, statics)
       scene%system%model%gravity = statics%gravity
       call scale_loads(scene, .false., 1.0_wp)
@@ -125,7 +125,6 @@ contains
       statics%gravity = scene%system%model%gravity
       statics%first_rotation = scene%last%rotation
       statics%report = ''
-      statics%uncounted = ''
       statics%start_text = ''
       statics%neutral_text = ''
       if (max(abs(step%rotation), abs(statics%first_rotation)) > 0.0_wp .and. any(abs(statics%gravity) > 0.0_wp)) &

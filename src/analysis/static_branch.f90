@@ -5,7 +5,7 @@ module limber_analysis_static_branch
    use limber_base_signals, only: signal_came
    use limber_base_text, only: as_text, newline
    use limber_analysis_curve_path, only: curve_path_type
-   use limber_analysis_flutter_aside, only: check_flutter
+   use limber_analysis_flutter_aside, only: flutter_aside_type, check_flutter
    use limber_scene_scene, only: scene_type
    use limber_analysis_skipped_laws, only: skips_law
    use limber_model_model, only: analysis_step_type, leave_unstable, stop_unstable
@@ -54,8 +54,8 @@ module limber_analysis_static_branch
       real(wp) :: gravity(2) = 0.0_wp, first_rotation = 0.0_wp
       !> What the user is told
       character(:), allocatable :: report
-      !> Of vibrations that grow and do not count; empty if there are none
-      character(:), allocatable :: uncounted
+      !> Vibrations that grow and do not count
+      type(flutter_aside_type) :: flutter
       !> What is told of the first sample; and of a neutral equilibrium, unless the next one is unstable
       character(:), allocatable :: start_text, neutral_text
    end type statics_type
@@ -386,13 +386,8 @@ contains
       type(statics_type), intent(inout) :: statics
       !> Time, coordinates (nq), multipliers (nc)
       real(wp), intent(in) :: t, q(:), lambda(:)
-      character(:), allocatable :: text
       call judge(scene%system, scene%work, statics%balance, lambda)
-      do while (statics%balance%flutters)
-         call check_flutter(scene, statics%balance, t, q, lambda, text)
-         if (text == '') return
-         statics%uncounted = text
-      end do
+      if (statics%balance%flutters) call check_flutter(statics%flutter, scene, statics%balance, t, q, lambda)
    end subroutine judge_branch
 
    subroutine tell_of_leaving(scene, statics, t)

@@ -77,7 +77,7 @@ contains
       !> What was left out because it depends on others; empty if nothing was
       character(:), allocatable, intent(out), optional :: note
       real(wp), allocatable :: x(:), slopes(:, :, :), strains(:, :)
-      integer :: pieces, left_out(2)
+      integer :: pieces, left_out(2), modes
 
       field = mesh_beam(beam)
       if (present(note)) note = ''
@@ -87,7 +87,9 @@ contains
       end if
       left_out = 0
       call compute_modes(beam, choice, field, error)
-      if (.not. allocated(error)) call add_static(beam, choice, field, left_out, error)
+      if (allocated(error)) return
+      modes = size(field%omega2_bending)
+      call add_static(beam, choice, field, left_out, error)
       if (allocated(error)) return
       ! Axial functions on pieces of the k_G elements, if the tension may vary within these
       pieces = 1
@@ -112,6 +114,7 @@ contains
       allocate (field%strain, source=strains)
 
       call sum_inertia(beam, choice%origin, field, body)
+      body%modes = modes
       allocate (body%omega2, source=[field%omega2_bending, field%omega2_axial])
       body%geometric = choice%fidelity /= fidelity_linear .and. body%bending > 0
       if (body%geometric) call check_size(body%bending, body%n - body%bending, error)

@@ -131,12 +131,13 @@ contains
       real(wp), parameter :: equal = 1.0e-7_wp
       real(wp), allocatable :: omega2(:), functions(:, :, :), rests(:, :, :), load(:, :, :)
       real(wp) :: next, part
-      integer :: i, left_out
+      integer :: i, left_out, modes
       left_out = 0
       part = 0.0_wp
       if (present(cut)) cut = .false.
       call vibration_modes(frame, choice, shape, omega2, next, error)
       if (allocated(error)) return
+      modes = size(omega2)
       if (present(cut) .and. size(omega2) > 0) cut = next <= omega2(size(omega2))*(1 + equal)
       call interface_loads(frame, choice, load)
       if (size(load, 3) > 0) then
@@ -159,6 +160,7 @@ contains
       if (present(note)) note = left_out_note(left_out, '')
       call start_inertia(body, size(omega2))
       body%bending = body%n
+      body%modes = modes
       do i = 1, size(frame%place, 2)
          call add_inertia(body, frame%mass(1, i), frame%place(:, i), shape(1:2, i, :))
          if (frame%mass(3, i) > 0.0_wp) call add_rotary(body, frame%mass(3, i), shape(3, i, :))

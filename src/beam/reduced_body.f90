@@ -13,6 +13,8 @@ module limber_beam_reduced_body
    type :: reduced_type
       !> Number of coordinates eta, and how many of them are bending
       integer :: n = 0, bending = 0
+      !> Number of its first coordinates, of a beam those of bending, that are vibration modes; others are static functions
+      integer :: modes = 0
       !> Number of coordinates before the first that carries tension: `bending` of a straight beam, 0 of a frame
       integer :: offset = 0
       !> Mass [mass]

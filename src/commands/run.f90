@@ -226,6 +226,7 @@ contains
       if (allocated(error)) then
          call record_outcome(scene, outcome, integrator%statistics, error%message, history%history_type, write_error)
          error%message = path//': '//error%message//what_is_left(results, batch%in_memory, history%history_type, write_error)
+         report = scene%warnings//path//': '
       else
          call record_outcome(scene, outcome, integrator%statistics, '', history%history_type, error)
          if (allocated(error)) error%message = error%message//what_is_left(results, batch%in_memory, history%history_type, error)

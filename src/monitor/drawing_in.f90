@@ -3,7 +3,7 @@
 !> doc/theory, eqs. (7.24), (7.44)-(7.46).
 !>
 !>     call start_drawing_in(self, membrane, survey, carried)                    ! allocates
-!>     call find_drawing_in(self, survey, bending, eta, rate, acceleration)      ! self%energy, %work, %force, %asked%lacking
+!>     call find_drawing_in(self, survey, eta, rate, acceleration)      ! self%energy, %work, %force, %asked%lacking
 module limber_monitor_drawing_in
    use limber_base_kinds, only: wp
    use limber_monitor_membrane, only: membrane_type, moved_by, tension_times, pull_nodes
@@ -132,11 +132,9 @@ contains
    end subroutine divide
 
    !> Energy and work in a state, and what channels lack.
-   pure subroutine find_drawing_in(self, survey, bending, eta, rate, acceleration)
+   pure subroutine find_drawing_in(self, survey, eta, rate, acceleration)
       type(drawing_in_type), intent(inout) :: self
       type(survey_type), intent(in) :: survey
-      !> Coordinates that bend members (bending)
-      integer, intent(in) :: bending(:)
       !> Coordinates, their rates and accelerations (n)
       real(wp), intent(in) :: eta(:), rate(:), acceleration(:)
       real(wp) :: own(6), pull(4), moving(6), changing(6), row(2)
@@ -144,8 +142,8 @@ contains
       self%bent = 0.0_wp
       self%rate = 0.0_wp
       self%faster = 0.0_wp
-      do i = 1, size(bending)
-         k = bending(i)
+      ! All coordinates bend the members: those that stretch them mostly may take back what others do
+      do k = 1, size(eta)
          self%bent = self%bent + survey%shape(:, :, k)*eta(k)
          self%rate = self%rate + survey%shape(:, :, k)*rate(k)
          self%faster = self%faster + survey%shape(:, :, k)*acceleration(k)
@@ -178,34 +176,12 @@ contains
          self%work = self%work + 2*self%short(i)*row(2)
          self%force = max(self%force, abs(row(2)))
       end do
-      if (size(self%asked) > 0) call find_lacking(self, survey, eta)
-   end subroutine find_drawing_in
-
-   !> What channels lack. All coordinates bend the members: those that stretch them mostly may take back what others do.
-   pure subroutine find_lacking(self, survey, eta)
-      type(drawing_in_type), intent(inout) :: self
-      type(survey_type), intent(in) :: survey
-      !> Coordinates (n)
-      real(wp), intent(in) :: eta(:)
-      real(wp) :: own(6)
-      integer :: i, k
-      self%bent = 0.0_wp
-      do k = 1, size(eta)
-         self%bent = self%bent + survey%shape(:, :, k)*eta(k)
-      end do
-      self%short = 0.0_wp
-      do i = 1, size(survey%mesh%member)
-         own = own_displacements(survey%mesh, i, self%bent)
-         k = self%part(i)
-         self%short(k) = self%short(k) + 0.5_wp*dot_product(own([2, 3, 5, 6]), tension_times(own([2, 3, 5, 6]), &
-            & survey%mesh%length(i)))
-      end do
       do i = 1, size(self%asked)
          self%asked(i)%lacking = 0.0_wp
          do k = 1, size(self%short)
             self%asked(i)%lacking = self%asked(i)%lacking + self%asked(i)%by_part(:, k)*self%short(k)
          end do
       end do
-   end subroutine find_lacking
+   end subroutine find_drawing_in
 
 end module limber_monitor_drawing_in

@@ -201,7 +201,7 @@ contains
       !> Time; coordinates, their rates and accelerations (n)
       real(wp), intent(in) :: t, eta(:), rate(:), acceleration(:)
       if (.not. self%drawing_in%made) call start_drawing_in(self%drawing_in, self%membrane, own%survey, self%carried)
-      call find_drawing_in(self%drawing_in, own%survey, self%bending, eta, rate, acceleration)
+      call find_drawing_in(self%drawing_in, own%survey, eta, rate, acceleration)
       call add_vibration(self, reduced%omega2, t, eta, rate, acceleration)
       self%total(sum_shortening) = self%total(sum_shortening) + self%drawing_in%energy
       call raise_peak(self, peak_recoil, abs(self%drawing_in%work), t)

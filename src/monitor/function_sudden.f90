@@ -12,7 +12,7 @@ module limber_monitor_function_sudden
    implicit none
    private
    public :: sudden_type, start_sudden, observe_sudden, join_sudden, lost_deflection, lost_moments, lost_shears, lost_pulls
-   public :: is_struck, find_brevity, share_that_stays, left_over, opposite, share
+   public :: is_struck, find_brevity, share_that_stays, opposite, share
    public :: at_rest, in_motion, at_start, before_break, behind_break
 
    !> What a state is that is looked at: at rest; within a motion; its first one; on both sides of an instant at which loads jump

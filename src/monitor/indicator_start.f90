@@ -78,10 +78,11 @@ contains
       call list_contacts(self, system, first, contacts)
       call start_surveys(self%surveys, system, frames_only=.true.)
       do i = 1, size(self%of)
-         if (self%of(i) == 0) cycle
-         associate (body => self%bodies(self%of(i)))
-            call start_body(self, system, i, contacts(first(i):first(i + 1) - 1), body)
-            if (system%layout%n(i) > 0) call start_modal_sudden(body%sudden, system, i, body%lumping)
+         if (self%of(i) > 0) call start_body(self, system, i, contacts(first(i):first(i + 1) - 1), self%bodies(self%of(i)))
+      end do
+      do i = 1, size(self%bodies)
+         associate (body => self%bodies(i))
+            if (system%layout%n(body%body) > 0) call start_modal_sudden(body%sudden, system, body%body, body%lumping)
          end associate
       end do
       call find_shown(self, system)

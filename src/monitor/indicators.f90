@@ -14,7 +14,7 @@ module limber_monitor_indicators
    use limber_monitor_false_damping, only: false_damping_type, join_false_damping, lost_amplitude
    use limber_monitor_function_watch, only: function_watch_type, join_functions
    use limber_monitor_membrane, only: membrane_type
-   use limber_monitor_modal_sudden, only: modal_sudden_type, join_modal_sudden, lost_sections
+   use limber_monitor_modal_sudden, only: modal_sudden_type, join_modal_sudden, lost_forces, sudden_kinds
    use limber_monitor_lumping_phase, only: phase_type, join_phases, phase_error
    use limber_monitor_body_surveys, only: surveys_type
    use limber_beam_quasistatic_deflection, only: quasistatic_type
@@ -67,7 +67,7 @@ module limber_monitor_indicators
       & 'axial force by inertia that the shortening has and the model lacks / largest axial force or load, where it is asked for', &
       & 'displacement by which bending draws the body in and that the model lacks / largest one, where it is asked for', &
       & 'relative change of the deflection by the axial strain of what is compressed', &
-      & 'section forces of vibrations under sudden loads that the coordinates do not follow / largest ones, where asked for']
+      & 'section forces and reactions of vibrations under sudden loads outside the coordinates / largest ones, where asked for']
 
    !> Kinetic over elastic energy, as `indicator_pace`, below which a compression lasts long enough to buckle a beam
    real(wp), parameter, public :: slow = 0.3_wp
@@ -340,7 +340,7 @@ contains
       type(body_indicators_type), intent(in) :: self
       real(wp) :: parts(size(self%drawn, 2))
       !> Parts of the size of the frame that displacements and coordinates may lack
-      real(wp), parameter :: least(2) = [1.0e-7_wp, 2.0e-5_wp]
+      real(wp), parameter :: least(2) = [1.0e-7_wp, 1.0e-6_wp]
       integer :: i
       parts = 0.0_wp
       do i = 1, size(parts)
@@ -371,12 +371,13 @@ contains
       where (.not. [self%shows_shear, self%shows_moment, self%shows_reaction]) errors = 0.0_wp
    end function layer_errors
 
-   !> Errors of axial forces, shear forces and bending moments under sudden loads, nought of what no channel asks for (3).
+   !> Errors under sudden loads of axial forces, shear forces, bending moments, forces and moments of joints, nought of what no
+   !> channel asks for (kinds).
    pure function sudden_errors(self) result(errors)
       type(body_indicators_type), intent(in) :: self
-      real(wp) :: errors(3)
-      errors = lost_sections(self%sudden)
-      where (.not. [self%shows_force, self%shows_shear, self%shows_moment]) errors = 0.0_wp
+      real(wp) :: errors(sudden_kinds)
+      errors = lost_forces(self%sudden)
+      where (.not. [self%shows_force, self%shows_shear, self%shows_moment]) errors(:3) = 0.0_wp
    end function sudden_errors
 
    !> Whether anything is to be observed on both sides of an instant at which loads jump.

@@ -1,49 +1,59 @@
-!> Monitor of bodies with modes under sudden loads. Section forces of vibrations that their coordinates do not have, as parts of the
-!> largest ones: these bodies have a sudden load at once at rest, but for the vibrations of their coordinates. Floor: monitor.
-!> Source: doc/theory, eqs. (7.26), (7.58)-(7.61).
+!> Monitor of bodies with modes under sudden and fast loads. Section forces and reactions of vibrations that their coordinates do
+!> not have, as parts of the largest ones: these bodies have a load at once at rest, but for the vibrations of their coordinates.
+!> Floor: monitor. Source: doc/theory, section 7.14, eqs. (7.26), (7.58)-(7.61).
 !>
 !>     call start_modal_sudden(self, system, body, lumping)              ! allocates
 !>     call observe_modal_sudden(self, system, work, kind, t, q, v, a)   ! at a look, and on both sides of a jump
-!>     lost = lost_sections(self)
+!>     lost = lost_forces(self)
 module limber_monitor_modal_sudden
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
    use limber_beam_force_recovery, only: internal_forces
    use limber_monitor_function_fading, only: fading_type, fading_of, faded, late_part
-   use limber_monitor_function_sudden, only: at_rest, at_start, before_break, behind_break, left_over, opposite, share
+   use limber_monitor_function_sudden, only: at_rest, at_start, before_break, behind_break, opposite, share
+   use limber_model_quantities, only: quantity_force_x, quantity_force_y, quantity_force_1, quantity_force_2, quantity_moment
    use limber_multibody_system, only: system_type, workspace_type
    use limber_output_internal_forces, only: section_forces_type, start_effort, gather_modal
+   use limber_output_joint_forces, only: joint_force, joint_moment
    implicit none
    private
-   public :: modal_sudden_type, start_modal_sudden, observe_modal_sudden, join_modal_sudden, lost_sections
+   public :: modal_sudden_type, start_modal_sudden, observe_modal_sudden, join_modal_sudden, lost_forces
 
-   !> Coordinates from which on the trend of the last ones tells what is behind them
-   integer, parameter :: a_trend = 5
-   !> How far many vibrations behind the last coordinate go together, in parts of what they make at rest, where signs alternate, and
-   !> of the trend; measured on cantilevers under a sudden force, section 7.14
+   !> Kinds of forces: axial forces, shear forces and bending moments of sections, forces and moments of joints
+   integer, parameter, public :: sudden_kinds = 5
+   integer, parameter :: of_sections = 3
+   !> How far many vibrations behind the last coordinate go together, in parts of what they make at rest, where signs alternate,
+   !> and of the trend; measured on cantilevers under a sudden force, section 7.14
    real(wp), parameter :: together = 2.5_wp
+   !> Most that the trend of the last coordinates tells of those behind them; by how much a vibration of a band is larger than the
+   !> one two before it: one that is more vibrates by itself, as at a resonance
+   real(wp), parameter :: most_left = 4.0_wp, alone = 1.5_wp
 
-   !> One body with sections; none of its arrays are allocated otherwise
+   !> One body with section forces or reactions that channels ask for; none of its arrays are allocated otherwise
    type :: modal_sudden_type
       !> Index of the body; 0: not watched
       integer :: body = 0
-      !> Whether it has coordinates along its axis
+      !> Whether it has coordinates along its axis; number of its vibration modes
       logical :: stretches = .false.
-      !> What acts on it
+      integer :: modes = 0
+      !> What acts on it; joints whose reactions are asked for
       type(section_forces_type) :: effort
+      integer, allocatable :: joints(:)
       !> How damping ends the vibration of each coordinate (n), and those behind the last one
       type(fading_type), allocatable :: fading(:)
       type(fading_type) :: fading_behind
-      !> Relative error of the frequency of each coordinate by the lumped masses (n)
+      !> Relative error of the frequency of each coordinate: by the lumped masses; one of static functions (n)
       real(wp), allocatable :: error(:)
-      !> Axial force, shear force and bending moment that a unit coordinate makes, the largest of all sections (3, n)
+      !> Force of each kind that a unit coordinate makes, of sections the largest, of joints by its inertia (kinds, n)
       real(wp), allocatable :: height(:, :)
-      !> Largest amplitude of the vibration of each coordinate, and of what it is late by (n)
-      real(wp), allocatable :: most(:), late(:)
+      !> Largest amplitude of the vibration of each coordinate, and of what it is late by (n); least and greatest of what it would
+      !> be at rest (2, n)
+      real(wp), allocatable :: most(:), late(:), range(:, :)
       !> Forces by what the coordinates leave out, before a jump; squares of their jumps as far as they have not faded, and the
-      !> largest of these (3, sections); the largest forces of all sections (3)
-      real(wp), allocatable :: before(:, :), ringing(:, :), jump(:, :)
-      real(wp) :: largest(3) = 0.0_wp
+      !> largest of these; their least and greatest (3, sections)
+      real(wp), allocatable :: before(:, :), ringing(:, :), jump(:, :), least(:, :), greatest(:, :)
+      !> The largest forces (kinds)
+      real(wp) :: largest(sudden_kinds) = 0.0_wp
       !> Time of the first state, of the last jump, and of the one that left most
       real(wp) :: begun = -huge(1.0_wp), jumped = -huge(1.0_wp), when = -huge(1.0_wp)
    contains
@@ -52,7 +62,7 @@ module limber_monitor_modal_sudden
 
 contains
 
-   !> Begins to watch a body with coordinates of its own, if channels ask for its section forces.
+   !> Begins to watch a body with coordinates of its own, if channels ask for its section forces or for those of its joints.
    subroutine start_modal_sudden(self, system, body, lumping)
       type(modal_sudden_type), intent(out) :: self
       type(system_type), intent(in) :: system
@@ -61,34 +71,65 @@ contains
       !> Relative errors of the first frequencies by the lumped masses; unallocated if they are not known
       real(wp), allocatable, intent(in) :: lumping(:)
       real(wp) :: ratio(system%layout%n(body))
-      integer :: i
+      integer :: i, n, sections
+      call find_joints(self, system, body)
       associate (recovery => system%model%bodies(body)%recovery, reduced => system%model%bodies(body)%reduced)
-         if (.not. allocated(recovery%load)) return
+         if (.not. allocated(recovery%load) .and. size(self%joints) == 0) return
          self%body = body
+         self%modes = reduced%modes
          self%stretches = system%model%bodies(body)%is_frame .or. reduced%n > reduced%bending
-         call start_effort(self%effort, system, body, recovery)
-         ! What geometric forces make is much the same on both sides of a jump
-         if (allocated(self%effort%geometric)) deallocate (self%effort%geometric)
-         allocate (self%height(3, recovery%n), self%most(recovery%n), self%late(recovery%n), self%error(recovery%n))
-         do i = 1, recovery%n
-            self%height(:, i) = maxval(abs(recovery%modal(:3, i, :)), dim=2)
-         end do
-         self%most = 0.0_wp
-         self%late = 0.0_wp
-         self%error = 0.0_wp
+         n = reduced%n
+         sections = 0
+         allocate (self%height(sudden_kinds, n))
+         self%height = 0.0_wp
+         if (allocated(recovery%load)) then
+            call start_effort(self%effort, system, body, recovery)
+            ! What geometric forces make is much the same on both sides of a jump
+            if (allocated(self%effort%geometric)) deallocate (self%effort%geometric)
+            sections = size(recovery%sections)
+            do i = 1, n
+               self%height(:of_sections, i) = maxval(abs(recovery%modal(:of_sections, i, :)), dim=2)
+            end do
+         end if
+         if (size(self%joints) > 0) then
+            self%height(4, :) = reduced%omega2*norm2(reduced%c, dim=1)
+            self%height(5, :) = reduced%omega2*abs(reduced%e)
+         end if
+         allocate (self%most(n), self%late(n), self%error(n), source=0.0_wp)
+         allocate (self%range(2, n), source=0.0_wp)
          if (allocated(lumping)) self%error(:size(lumping)) = abs(lumping)
-         allocate (self%before(3, size(recovery%sections)), self%ringing(3, size(recovery%sections)), &
-            & self%jump(3, size(recovery%sections)))
-         self%before = 0.0_wp
-         self%ringing = 0.0_wp
-         self%jump = 0.0_wp
+         self%error(reduced%modes + 1:reduced%bending) = 1.0_wp
+         allocate (self%before(of_sections, sections), self%ringing(of_sections, sections), self%jump(of_sections, sections), &
+            & self%least(of_sections, sections), self%greatest(of_sections, sections), source=0.0_wp)
          ratio = 0.0_wp
-         if (allocated(reduced%damping)) ratio = [(0.5_wp*reduced%damping(i, i)/sqrt(reduced%omega2(i)), i=1, reduced%n)]
+         if (allocated(reduced%damping)) ratio = [(0.5_wp*reduced%damping(i, i)/sqrt(reduced%omega2(i)), i=1, n)]
          self%fading = fading_of(ratio, reduced%omega2)
-         i = reduced%bending
-         if (i > 0) self%fading_behind = fading_of(minval(ratio(max(1, i - 1):i)), reduced%omega2(i))
+         i = min(max(1, reduced%modes), n)
+         if (n > 0) self%fading_behind = fading_of(minval(ratio(max(1, i - 1):i)), reduced%omega2(i))
       end associate
    end subroutine start_modal_sudden
+
+   !> Joints of a body whose reactions channels ask for.
+   pure subroutine find_joints(self, system, body)
+      type(modal_sudden_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: body
+      integer, parameter :: kinds(*) = [quantity_force_x, quantity_force_y, quantity_force_1, quantity_force_2, quantity_moment]
+      integer :: i, j
+      allocate (self%joints(0))
+      associate (model => system%model)
+         do i = 1, size(model%channels)
+            do j = 1, size(model%channels(i)%quantities)
+               associate (quantity => model%channels(i)%quantities(j))
+                  if (quantity%of_load .or. quantity%of_coupler .or. all(quantity%kind /= kinds)) cycle
+                  if (quantity%of > size(model%joints)) cycle
+                  if (any(self%joints == quantity%of)) cycle
+                  if (any(system%constraints(quantity%of)%item%bodies == body)) self%joints = [self%joints, quantity%of]
+               end associate
+            end do
+         end do
+      end associate
+   end subroutine find_joints
 
    !> Takes in a state. Kinematics are placed and moved there; Jacobians and multipliers are those of the state.
    subroutine observe_modal_sudden(self, system, work, kind, t, q, v, a)
@@ -99,44 +140,83 @@ contains
       integer, intent(in) :: kind
       !> Time; coordinates, velocities, accelerations (nq)
       real(wp), intent(in) :: t, q(:), v(:), a(:)
-      real(wp), dimension(system%layout%n(self%body)) :: amplitude, none
-      real(wp) :: left_out(3, size(self%jump, 2)), part(3)
-      real(wp), allocatable :: nothing(:)
-      integer :: k, j, first, n
+      real(wp), dimension(system%layout%n(self%body)) :: amplitude, still
+      real(wp) :: left_out(of_sections, size(self%jump, 2))
+      integer :: i, first, last
       if (kind == at_rest) return
-      call gather_modal(self%effort, system, work, self%body, q, v, a)
       first = system%layout%q(self%body) + 4
-      n = size(amplitude)
-      none = 0.0_wp
-      left_out = 0.0_wp
-      associate (recovery => system%model%bodies(self%body)%recovery, omega2 => system%model%bodies(self%body)%reduced%omega2, &
-         & eta => q(first:first + n - 1), effort => self%effort)
-         amplitude = abs(a(first:first + n - 1))/omega2
+      last = first - 1 + size(amplitude)
+      associate (omega2 => system%model%bodies(self%body)%reduced%omega2, eta => q(first:last))
+         still = eta + a(first:last)/omega2
+         amplitude = abs(a(first:last))/omega2
+         if (.not. self%begun > -huge(t)) then
+            self%begun = t
+            self%range(1, :) = still
+            self%range(2, :) = still
+            ! A load at the start has come at once
+            if (kind == at_start) self%range = reshape([min(still, eta), max(still, eta)], [2, size(still)], order=[2, 1])
+         end if
+         self%range(1, :) = min(self%range(1, :), still)
+         self%range(2, :) = max(self%range(2, :), still)
          self%most = max(self%most, amplitude)
-         if (.not. self%begun > -huge(t)) self%begun = t
          self%late = max(self%late, amplitude*late_part(self%fading, omega2, self%error, t - self%begun, opposite))
-         do k = 1, size(left_out, 2)
-            self%largest = max(self%largest, abs(internal_forces(recovery, k, eta, effort%amplitude, effort%geometric, &
-               & effort%lacking, .false.)))
-            if (kind == at_start .or. kind == before_break .or. kind == behind_break) left_out(:, k) = &
-               & internal_forces(recovery, k, none, effort%amplitude, effort%geometric, nothing, .false.)
+         do i = 1, size(self%joints)
+            if (system%constraints(self%joints(i))%item%rows == 0) cycle
+            self%largest(4) = max(self%largest(4), norm2(joint_force(system, work, self%joints(i))))
+            self%largest(5) = max(self%largest(5), abs(joint_moment(system, work, self%joints(i), q)))
          end do
-         select case (kind)
-         case (at_start)
-            ! Of what is in balance nothing vibrates
-            j = (n + 1)/2
-            do k = 1, 3
-               part(k) = share(dot_product(amplitude(j:), self%height(k, j:)), dot_product(abs(eta(j:)), self%height(k, j:)))
-               left_out(k, :) = part(k)*left_out(k, :)
-            end do
-            call add_jump(self, t, left_out)
-         case (before_break)
-            self%before = left_out
-         case (behind_break)
-            call add_jump(self, t, left_out - self%before)
-         end select
+         if (size(self%jump) == 0) return
+         call gather_modal(self%effort, system, work, self%body, q, v, a)
+         call take_sections(self, system, eta, left_out)
       end associate
+      select case (kind)
+      case (at_start)
+         call take_start(self, amplitude, q(first:last), t, left_out)
+      case (before_break)
+         self%before = left_out
+      case (behind_break)
+         call add_jump(self, t, left_out - self%before)
+      end select
+      self%least = min(self%least, left_out)
+      self%greatest = max(self%greatest, left_out)
    end subroutine observe_modal_sudden
+
+   !> Section forces, and what the coordinates leave out of them.
+   subroutine take_sections(self, system, eta, left_out)
+      type(modal_sudden_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      !> Coordinates (n); (3, sections)
+      real(wp), intent(in) :: eta(:)
+      real(wp), intent(out) :: left_out(:, :)
+      real(wp), allocatable :: nothing(:)
+      real(wp) :: none(size(eta))
+      integer :: k
+      none = 0.0_wp
+      associate (recovery => system%model%bodies(self%body)%recovery, effort => self%effort)
+         do k = 1, size(left_out, 2)
+            self%largest(:of_sections) = max(self%largest(:of_sections), abs(internal_forces(recovery, k, eta, effort%amplitude, &
+               & effort%geometric, effort%lacking, .false.)))
+            left_out(:, k) = internal_forces(recovery, k, none, effort%amplitude, effort%geometric, nothing, .false.)
+         end do
+      end associate
+   end subroutine take_sections
+
+   !> The start: of what is in balance nothing vibrates.
+   pure subroutine take_start(self, amplitude, eta, t, left_out)
+      type(modal_sudden_type), intent(inout) :: self
+      !> Vibrations and coordinates (n), time, forces that are left out (3, sections)
+      real(wp), intent(in) :: amplitude(:), eta(:), t, left_out(:, :)
+      real(wp) :: jump(of_sections, size(left_out, 2))
+      integer :: j, k
+      j = (size(eta) + 1)/2
+      do k = 1, of_sections
+         jump(k, :) = share(dot_product(amplitude(j:), self%height(k, j:)), dot_product(abs(eta(j:)), self%height(k, j:))) &
+            & *left_out(k, :)
+      end do
+      self%least = left_out
+      self%greatest = left_out
+      call add_jump(self, t, jump)
+   end subroutine take_start
 
    !> Adds a jump to what is left of those before.
    pure subroutine add_jump(self, t, jump)
@@ -151,26 +231,60 @@ contains
       self%jumped = t
    end subroutine add_jump
 
-   !> Axial force, shear force and bending moment that are off at most, as parts of the largest (3).
-   pure function lost_sections(self) result(lost)
+   !> Forces of each kind that are off at most, as parts of the largest (kinds).
+   pure function lost_forces(self) result(lost)
       type(modal_sudden_type), intent(in) :: self
-      real(wp) :: lost(3)
-      !> Part of the largest force of a unit coordinate below which it has none
-      real(wp), parameter :: little = 1.0e-3_wp
-      real(wp), allocatable :: trend(:)
+      real(wp) :: lost(sudden_kinds)
       integer :: k
       lost = 0.0_wp
       if (self%body == 0) return
-      do k = 1, 3
-         lost(k) = sqrt(maxval(self%jump(k, :)))
-         ! Those that have such a force
-         trend = pack(self%most*self%height(k, :), self%height(k, :) > little*maxval(self%height(k, :)))
-         if (size(trend) >= a_trend) lost(k) = max(lost(k), left_over(trend))
+      do k = 1, sudden_kinds
+         if (k <= of_sections .and. size(self%jump) > 0) lost(k) = max(sqrt(maxval(self%jump(k, :))), &
+            & quickness(self, k)*maxval(self%greatest(k, :) - self%least(k, :)))
+         lost(k) = max(lost(k), trend(self, k))
          lost(k) = (1 + (together - 1)*self%fading_behind%overshoot)*lost(k) + dot_product(self%late, self%height(k, :))
          lost(k) = lost(k)/max(self%largest(k), lost(k), tiny(1.0_wp))
       end do
       if (.not. self%stretches) lost(1) = 0.0_wp
-   end function lost_sections
+   end function lost_forces
+
+   !> How quickly loads change for the upper half of the modes: what vibrates by what would be there at rest, one at most.
+   pure real(wp) function quickness(self, kind) result(part)
+      type(modal_sudden_type), intent(in) :: self
+      integer, intent(in) :: kind
+      real(wp) :: vibrating, still
+      integer :: j, n
+      n = merge(self%modes, size(self%most), self%modes > 0)
+      j = (n + 1)/2
+      vibrating = dot_product(self%most(j:n), self%height(kind, j:n))
+      still = dot_product(self%range(2, j:n) - self%range(1, j:n), self%height(kind, j:n))
+      part = min(1.0_wp, vibrating/max(still, vibrating, tiny(1.0_wp)))
+   end function quickness
+
+   !> What vibrations behind the last mode have, if they go on as the last two do after the two before them; from three modes on.
+   pure real(wp) function trend(self, kind) result(left)
+      type(modal_sudden_type), intent(in) :: self
+      integer, intent(in) :: kind
+      !> Part of the largest force of a unit coordinate below which it has none
+      real(wp), parameter :: little = 1.0e-3_wp
+      real(wp), allocatable :: part(:)
+      real(wp) :: last, before
+      integer :: k, n
+      left = 0.0_wp
+      associate (height => self%height(kind, :self%modes))
+         if (self%modes < 3) return
+         part = pack(self%most(:self%modes)*height, height > little*maxval(height))
+      end associate
+      n = size(part)
+      if (n < 3) return
+      last = 0.0_wp
+      before = 0.0_wp
+      do k = max(3, n - 1), n
+         last = max(last, min(part(k), alone*part(k - 2)))
+         before = max(before, part(k - 2))
+      end do
+      if (last > 0.0_wp) left = last*min(most_left, last/max(before - last, last/most_left))
+   end function trend
 
    !> Joins what an analysis has seen to that of those before.
    subroutine join_modal_sudden(part, whole)
@@ -179,8 +293,14 @@ contains
       if (part%body == 0) return
       whole%most = max(whole%most, part%most)
       whole%late = max(whole%late, part%late)
-      if (maxval(part%jump) > maxval(whole%jump)) whole%when = part%when
+      whole%range(1, :) = min(whole%range(1, :), part%range(1, :))
+      whole%range(2, :) = max(whole%range(2, :), part%range(2, :))
+      if (size(part%jump) > 0) then
+         if (maxval(part%jump) > maxval(whole%jump)) whole%when = part%when
+      end if
       whole%jump = max(whole%jump, part%jump)
+      whole%least = min(whole%least, part%least)
+      whole%greatest = max(whole%greatest, part%greatest)
       whole%largest = max(whole%largest, part%largest)
    end subroutine join_modal_sudden
 
@@ -191,14 +311,17 @@ contains
       if (self%body == 0) return
       call snapshot%keep('most', self%most)
       call snapshot%keep('late', self%late)
+      call snapshot%keep('range', self%range)
       call snapshot%keep('before', self%before)
       call snapshot%keep('ringing', self%ringing)
       call snapshot%keep('jump', self%jump)
+      call snapshot%keep('least', self%least)
+      call snapshot%keep('greatest', self%greatest)
       call snapshot%exchange('largest', self%largest)
       call snapshot%exchange('begun', self%begun)
       call snapshot%exchange('jumped', self%jumped)
       call snapshot%exchange('when', self%when)
-      ! Not saved: stretches, effort, fading, fading_behind, error, height
+      ! Not saved: stretches, modes, effort, joints, fading, fading_behind, error, height
    end subroutine exchange_modal_sudden
 
 end module limber_monitor_modal_sudden

@@ -23,7 +23,8 @@ module limber_monitor_model_ranges
    character(*), parameter :: held_apart = ': its joints or its other members hold the ends of members apart as these bend'
    !> Forces that err near ends under tension, and under sudden loads
    character(*), parameter :: layer_names(3) = [character(17) :: 'shear forces', 'bending moments', 'moments of joints'], &
-      & sudden_names(3) = [character(15) :: 'axial forces', 'shear forces', 'bending moments']
+      & sudden_names(5) = [character(17) :: 'axial forces', 'shear forces', 'bending moments', &
+      & 'forces of joints', 'moments of joints']
    !> Part of the length below which a deflection is none, and part of the largest one of the scene below which it does not matter
    real(wp), parameter :: nothing = 1.0e-9_wp, negligible = 1.0e-3_wp
    !> Growth of a small deflection under a compression beyond Euler's load, as a logarithm, that makes it large
@@ -79,7 +80,9 @@ contains
       case (indicator_phase, indicator_false_damping, indicator_membrane, indicator_reaction, &
          & indicator_recoil_force)
          limit = 0.03_wp
-      case (indicator_elongation, indicator_recoil, indicator_drawn)
+      case (indicator_elongation)
+         limit = merge(0.02_wp, 0.05_wp, softens(indicators, body))
+      case (indicator_recoil, indicator_drawn)
          limit = 0.05_wp
       case (indicator_sudden)
          limit = 0.03_wp
@@ -96,6 +99,15 @@ contains
       end if
       if (.not. indicator_value(indicators, indicator_deflection) > max(nothing, indicators%noise)) excess = 0.0_wp
    end function excess
+
+   !> Whether the axial force in its axial functions softens a body much.
+   pure logical function softens(indicators, body)
+      type(body_indicators_type), intent(in) :: indicators
+      type(body_type), intent(in) :: body
+      !> Part of the buckling load
+      real(wp), parameter :: much_of_it = 0.3_wp
+      softens = body%reduced%geometric .and. indicator_value(indicators, indicator_compression) > much_of_it
+   end function softens
 
    !> The same of a rigid beam: the deflection that it would have, its Euler load, and loads that change too quickly for the
    !> deflection to be that at rest, if that matters.
@@ -275,6 +287,7 @@ contains
       case (indicator_elongation)
          text = 'is longer or shorter under its axial forces than its axial functions can follow, by '//percent// &
             & ' of the largest elongation or deflection'//when
+         if (softens(indicators, body)) text = text//'; its buckling loads err by about as much, or by some times that'
          if (body%reduced%n == body%reduced%bending) text = 'has no axial coordinate: the change of its length by its axial'// &
             & ' forces, '//percent//' of the largest elongation or deflection, is left out'//when
       case default
@@ -289,8 +302,8 @@ contains
    !> Internal forces that are asked for and err in layers, each with its size.
    pure function lost_forces(names, errors, where) result(text)
       !> Names of the forces, their errors, and where these are, with a blank behind
-      character(*), intent(in) :: names(3), where
-      real(wp), intent(in) :: errors(3)
+      character(*), intent(in) :: names(:), where
+      real(wp), intent(in) :: errors(:)
       character(:), allocatable :: text
       real(wp), parameter :: small = 0.02_wp
       integer :: i

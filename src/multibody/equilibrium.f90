@@ -37,9 +37,8 @@ module limber_multibody_equilibrium
       !> True once a scene without potential was too large to look for vibrations that grow
       logical :: unseen = .false.
       real(wp) :: frequency = 0.0_wp
-      !> Vibrations that are faster do not count [rad/time]; whether one that grows was confirmed by more coordinates
+      !> Vibrations that are faster do not count [rad/time]
       real(wp) :: fastest = huge(1.0_wp)
-      logical :: confirmed = .false.
       !> Whether `descend` has left an unstable equilibrium on its way, and the motion in which it was unstable (nw)
       logical :: has_left = .false.
       real(wp), allocatable :: left(:)

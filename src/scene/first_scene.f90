@@ -10,7 +10,8 @@ module limber_scene_first_scene
    use limber_scene_integrator_choice, only: choose_integrator
    use limber_scene_speed_jumps, only: begin_behind
    use limber_scene_scene, only: scene_type, place_of, place_of_body, starts_with_dynamics, seconds_since
-   use limber_scene_start_warnings, only: warn_of_redundancy, warn_of_turn, warn_of_springs, warn_of_changes
+   use limber_scene_start_warnings, only: warn_of_redundancy, warn_of_turn, warn_of_springs, warn_of_changes, &
+      & warn_of_supports
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_origin, only: origin_type
    use limber_deck_parameters, only: override_type
@@ -149,6 +150,7 @@ contains
       call warn_of_turn(scene, diagnostics)
       call warn_of_changes(scene, diagnostics)
       call warn_of_springs(scene, diagnostics)
+      call warn_of_supports(scene, diagnostics)
       call damp_modes(scene, diagnostics)
       call find_supports(scene%system, scene%work, scene%q)
       if (scene%assembly%rank < scene%assembly%equations) then

@@ -8,15 +8,99 @@ module limber_scene_start_warnings
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_origin, only: origin_type
    use limber_model_beam_segments, only: name_in_deck
-   use limber_model_model, only: along_distance, ground
+   use limber_model_model, only: along_distance, ground, place_at_point
    use limber_multibody_point_motion, only: point_position
    use limber_multibody_redundant_constraints, only: group_names, constraint_names
    use limber_multibody_system, only: system_type
    implicit none
    private
-   public :: warn_of_redundancy, warn_of_turn, warn_of_springs, warn_of_changes
+   public :: warn_of_redundancy, warn_of_turn, warn_of_springs, warn_of_changes, warn_of_supports
 
 contains
+
+   !> Warns of beams whose SUPPORT holds more than a floating frame needs, where no joint holds them: they cannot bend or stretch
+   !> there.
+   subroutine warn_of_supports(scene, diagnostics)
+      type(scene_type), intent(in) :: scene
+      type(diagnostics_type), intent(inout) :: diagnostics
+      !> Conditions that define a floating frame
+      integer, parameter :: enough = 3
+      !> By the support, and by joints: displacement along and across, and rotation, of the start and of the end
+      logical :: held(3, 2), joined(3, 2)
+      integer :: i, block
+      character(:), allocatable :: name
+      do i = 1, size(scene%system%model%bodies)
+         associate (body => scene%system%model%bodies(i))
+            if (scene%system%layout%n(i) == 0 .or. body%is_frame .or. body%reduced%is_exact) cycle
+            associate (support => body%choice%support)
+               held = reshape([support%u_start, support%w_start, support%theta_start, support%u_end, support%w_end, &
+                  & support%theta_end], [3, 2])
+            end associate
+            if (count(held) <= enough) cycle
+            call find_joined(scene%system, i, joined)
+            if (.not. any(held .and. .not. joined)) cycle
+            name = name_in_deck(scene%system%model, i)
+            block = scene%deck%find_named('BEAM', name)
+            if (block == 0) cycle
+            call diagnostics%warn(scene%deck%blocks(block)%origin_of('SUPPORT'), 'SUPPORT='// &
+               & scene%deck%blocks(block)%word('SUPPORT')//" holds "//held_text(held .and. .not. joined)//" of beam '"//name// &
+               & "' in its frame, and no joint does: it cannot move there as it would", &
+               & 'use SUPPORT=PINNED-ROLLER or CLAMPED-FREE with CORRECTIONS=YES, or GEOMETRIC=EXACT')
+         end associate
+      end do
+   end subroutine warn_of_supports
+
+   !> What joints hold of the ends of a beam; all if anything acts on its frame.
+   pure subroutine find_joined(system, body, joined)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: body
+      !> Displacement along and across, rotation, of the start and of the end
+      logical, intent(out) :: joined(:, :)
+      !> Distance of a point from an end, in parts of the length
+      real(wp), parameter :: near = 1.0e-6_wp
+      real(wp) :: x
+      integer :: i, side, at
+      joined = .false.
+      do i = 1, size(system%constraints)
+         associate (item => system%constraints(i)%item)
+            do side = 1, 2
+               if (item%bodies(side) /= body) cycle
+               if (item%points(side) == 0 .or. i > size(system%model%joints)) then
+                  joined = .true.
+                  return
+               end if
+               associate (own => system%model%bodies(body), joint => system%model%joints(i))
+                  x = (system%model%points(item%points(side))%p0(1) + own%choice%origin)/own%beam%length
+                  at = 0
+                  if (abs(x) < near) at = 1
+                  if (abs(x - 1) < near) at = 2
+                  if (at == 0) cycle
+                  joined(1, at) = joined(1, at) .or. joint%place == place_at_point
+                  joined(2, at) = .true.
+                  joined(3, at) = joined(3, at) .or. joint%keeps_angle
+               end associate
+            end do
+         end associate
+      end do
+   end subroutine find_joined
+
+   !> Names of what is held.
+   pure function held_text(held) result(text)
+      !> Displacement along and across, rotation, of the start and of the end
+      logical, intent(in) :: held(3, 2)
+      character(:), allocatable :: text
+      character(*), parameter :: what(3) = [character(27) :: 'the displacement along', 'the deflection', 'the rotation'], &
+         & where(2) = [character(5) :: 'start', 'end']
+      integer :: i, k
+      text = ''
+      do k = 1, 2
+         do i = 1, 3
+            if (.not. held(i, k)) cycle
+            if (text /= '') text = text//' and '
+            text = text//trim(what(i))//' at the '//trim(where(k))
+         end do
+      end do
+   end function held_text
 
    !> Names the constraints that share redundant equations, group by group, and those that do so at the first position only.
    subroutine warn_of_redundancy(scene, diagnostics)

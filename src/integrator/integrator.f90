@@ -56,6 +56,8 @@ module limber_integrator_integrator
    contains
       procedure(start_interface), deferred :: start
       procedure(step_interface), deferred :: step
+      !> Takes over a state at t in which loads have jumped by what hardly changes them otherwise, as at a sample of a control
+      procedure :: resume => resume_by_start
       procedure(interpolate_interface), deferred :: interpolate
       !> The same where coordinates alone are asked for: velocities, and the work if no channel asks for it, may be left as they are
       procedure :: interpolate_place => interpolate_all
@@ -117,6 +119,17 @@ module limber_integrator_integrator
    end interface
 
 contains
+
+   !> By a start.
+   subroutine resume_by_start(self, system, work, duration, q, v, error)
+      class(integrator_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> As in `start`
+      real(wp), intent(in) :: duration, q(:), v(:)
+      type(error_type), allocatable, intent(out) :: error
+      call self%start(system, work, self%t, duration, q, v, error)
+   end subroutine resume_by_start
 
    !> Of an integrator whose velocities cost next to nothing.
    subroutine interpolate_all(self, t, q, v, w)

@@ -1,5 +1,5 @@
 !> Controls: blocks with states of their own, inputs that are expressions of the motion, and an output that laws and channels may
-!> depend on: *CONTROL. Floor: elements. Source: doc/theory, section 5.21, eqs. (5.75)-(5.81).
+!> depend on: *CONTROL. Floor: elements. Source: doc/theory, section 5.21, eqs. (5.76)-(5.82).
 module limber_elements_control
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
@@ -278,9 +278,10 @@ contains
          end if
          wide = states + lines(1)%count()
          do i = 2, size(lines)
-            if (lines(i)%count() /= wide) call diagnostics%add(lines(i)%origin, 'with '//as_text(states)//' states and '// &
-               & as_text(lines(1)%count())//' inputs this line has '//as_text(wide)//' numbers, not '// &
-               & as_text(lines(i)%count()), 'for each state a line with its row of A and of B, then the row of C and of D')
+            if (lines(i)%count() /= wide) call diagnostics%add(lines(i)%origin, 'a line of this state space has '// &
+               & as_text(wide)//' numbers, a number for each of its states, '//as_text(states)//', and inputs, '// &
+               & as_text(lines(1)%count())//'; not '//as_text(lines(i)%count()), 'for each state a line with its row of A'// &
+               & ' and of B, then the row of C and of D')
          end do
       end associate
    end subroutine check_rows
@@ -303,7 +304,7 @@ contains
       number = block%lines(line)%fields(field)%expression%constant_value()
    end function number
 
-   !> INTEGRATOR, LAG, RATE LIMIT: eqs. (5.76), (5.81).
+   !> INTEGRATOR, LAG, RATE LIMIT: eqs. (5.77), (5.82).
    subroutine read_first_order(block, control, scales, diagnostics)
       type(block_type), intent(in) :: block
       type(control_type), intent(inout) :: control
@@ -319,7 +320,7 @@ contains
       call set_output(block, control, 's1', diagnostics)
    end subroutine read_first_order
 
-   !> SECOND ORDER, eq. (5.76): the second state is the rate of the output.
+   !> SECOND ORDER, eq. (5.77): the second state is the rate of the output.
    subroutine read_second_order(block, control, scales, diagnostics)
       type(block_type), intent(in) :: block
       type(control_type), intent(inout) :: control
@@ -336,7 +337,7 @@ contains
       call set_output(block, control, 's1', diagnostics)
    end subroutine read_second_order
 
-   !> TRANSFER FUNCTION, eq. (5.77): the first state is the output without what follows the input at once.
+   !> TRANSFER FUNCTION, eq. (5.78): the first state is the output without what follows the input at once.
    subroutine read_transfer_function(block, control, scales, diagnostics)
       type(block_type), intent(in) :: block
       type(control_type), intent(inout) :: control
@@ -381,7 +382,7 @@ contains
       call set_output(block, control, rate, diagnostics)
    end subroutine read_transfer_function
 
-   !> STATE SPACE, eq. (5.75).
+   !> STATE SPACE, eq. (5.76).
    subroutine read_state_space(block, control, scales, diagnostics)
       type(block_type), intent(in) :: block
       type(control_type), intent(inout) :: control
@@ -409,7 +410,7 @@ contains
       end do
    end subroutine read_state_space
 
-   !> A continuous PID, eqs. (5.78), (5.79). Its states are the integral, if KI is not zero, and what the lag of the derivative
+   !> A continuous PID, eqs. (5.79), (5.80). Its states are the integral, if KI is not zero, and what the lag of the derivative
    !> holds back, if KD is not zero, both in the unit of the output.
    subroutine read_pid(block, control, scales, diagnostics)
       type(block_type), intent(in) :: block
@@ -450,7 +451,7 @@ contains
       call set_output(block, control, limited(block, sum), diagnostics)
    end subroutine read_pid
 
-   !> A sampled PID or hold, eq. (5.80). Its states have no rates: output; output that follows it; integral; last input; whether
+   !> A sampled PID or hold, eq. (5.81). Its states have no rates: output; output that follows it; integral; last input; whether
    !> there is a last input.
    subroutine read_sampled(block, control, scales, diagnostics)
       type(block_type), intent(in) :: block
@@ -467,7 +468,7 @@ contains
       call set_output(block, control, 's1', diagnostics)
    end subroutine read_sampled
 
-   !> SATURATION and DEAD ZONE, eq. (5.81).
+   !> SATURATION and DEAD ZONE, eq. (5.82).
    subroutine read_zone(block, control, scales, diagnostics)
       type(block_type), intent(in) :: block
       type(control_type), intent(inout) :: control

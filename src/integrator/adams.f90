@@ -157,7 +157,7 @@ contains
       if (self%maximum_step > 0.0_wp) self%h = min(self%h, self%maximum_step)
    end subroutine adams_start
 
-   !> A jump of the derivative moves all that it has been by as much: its value changes, its differences do not, eq. (5.83). Order
+   !> A jump of the derivative moves all that it has been by as much: its value changes, its differences do not, eq. (5.84). Order
    !> and step go on.
    subroutine adams_resume(self, system, work, duration, q, v, error)
       class(adams_type), intent(inout) :: self

@@ -233,7 +233,7 @@ contains
       !> The body with the largest local error
       integer, intent(in) :: body
       type(error_type), allocatable, intent(out) :: error
-      character(:), allocatable :: where_it_is
+      character(:), allocatable :: where_it_is, culprit_name
       integer :: culprit, i
       real(wp) :: residual
       logical, allocatable :: drives(:)
@@ -248,8 +248,11 @@ contains
          if (where_it_is /= '' .and. any(drives)) where_it_is = where_it_is//'; the scene is driven by '// &
             & constraint_names(system, drives)//', which its joints may not follow from there'
       end if
-      call raise(error, 'the step has shrunk to nothing at t = '//as_text(self%t, 10)//where_it_is//"; body '"// &
-         & system%model%bodies(body)%name//"' has the largest local error. The motion may be diverging or at a singular"// &
+      culprit_name = "body '"//system%model%bodies(body)%name
+      if (system%layout%carries(body)) culprit_name = "a state of control '"//system%model%controls( &
+         & system%model%bodies(body)%control)%name
+      call raise(error, 'the step has shrunk to nothing at t = '//as_text(self%t, 10)//where_it_is//'; '// &
+         & culprit_name//"' has the largest local error. The motion may be diverging or at a singular"// &
          & ' position: try a smaller END, a looser TOLERANCE, or look at the history up to there')
    end subroutine step_too_small
 

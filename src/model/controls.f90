@@ -26,7 +26,7 @@ contains
       call move_alloc(longer, model%controls)
    end subroutine append_control
 
-   !> Bodies that carry the states of the last control: points of unit mass whose velocities along x are these, eq. (5.82). Their
+   !> Bodies that carry the states of the last control: points of unit mass whose velocities along x are these, eq. (5.83). Their
    !> names are none that a deck could write.
    subroutine add_states(model, scales)
       type(model_type), intent(inout) :: model

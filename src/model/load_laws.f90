@@ -1,5 +1,6 @@
 !> Quantities in the laws of loads, events and controls. Floor: model.
 module limber_model_load_laws
+   use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_expression, only: expression_type
@@ -21,14 +22,17 @@ contains
    subroutine resolve_laws(model, diagnostics)
       type(model_type), intent(inout) :: model
       type(diagnostics_type), intent(inout) :: diagnostics
-      integer :: i
+      integer :: i, before
+      before = diagnostics%count
       do i = 1, size(model%load_parts)
          associate (part => model%load_parts(i))
             if (part%driven) call resolve_law(model, part%law, trim(merge('a control', 'a load   ', part%control > 0)), &
                & part%quantities, diagnostics)
          end associate
       end do
+      ! The input of a continuous control is in the laws of its states, where it has been complained of
       do i = 1, size(model%controls)
+         if (diagnostics%count > before .and. .not. model%controls(i)%period > 0.0_wp) cycle
          call resolve_law(model, model%controls(i)%law, 'a control', model%controls(i)%quantities, diagnostics)
       end do
       do i = 1, size(model%events)

@@ -236,7 +236,8 @@ contains
       if (control > 0) label = "write the name of the control alone: output("//name//')'
       if (control > 0 .and. what == 'state') then
          label = "control '"//name//"' has no states"
-         if (size(model%controls(control)%points) > 0) label = 'its states are x1 to x'// &
+         if (size(model%controls(control)%points) == 1) label = 'it has one state: write state('//name//'.x1)'
+         if (size(model%controls(control)%points) > 1) label = 'its states are x1 to x'// &
             & as_text(size(model%controls(control)%points))//': write state('//name//'.x1)'
       end if
       call diagnostics%add(slot%origin, 'there is no '//what//" '"//slot%argument//"'", label, object=slot%argument)

@@ -1,5 +1,5 @@
 !> States of controls that no rate changes: their first values, and samples of sampled controls. A state is the velocity along x of
-!> the point that carries it. Floor: multibody. Source: doc/theory, section 5.21, eqs. (5.78), (5.80).
+!> the point that carries it. Floor: multibody. Source: doc/theory, section 5.21, eqs. (5.79), (5.81).
 module limber_multibody_control_states
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: ieee_exceptions, only: ieee_status_type, ieee_get_status, ieee_set_status, ieee_set_halting_mode, ieee_all
@@ -74,7 +74,7 @@ contains
       end do
    end function behind
 
-   !> Takes the samples that fall to an instant, eq. (5.80), in the order of the controls: first outputs that follow an earlier
+   !> Takes the samples that fall to an instant, eq. (5.81), in the order of the controls: first outputs that follow an earlier
    !> sample. A sample that is taken already is not taken again.
    subroutine take_samples(system, work, t, near, q, v, changed, error)
       type(system_type), intent(in) :: system
@@ -115,7 +115,7 @@ contains
       end do
    end subroutine take_samples
 
-   !> One sample, eq. (5.80). The integral stops where the output is at a limit and would go on beyond it.
+   !> One sample, eq. (5.81). The integral stops where the output is at a limit and would go on beyond it.
    subroutine take_sample(system, control, turn, value, v)
       type(system_type), intent(in) :: system
       type(control_type), intent(in) :: control

@@ -73,10 +73,12 @@ module limber_elements_control
       &    //' first one')]
    !> An example, as it stands in a deck of the tests
    character(*), parameter :: example(*) = [character(110) :: &
-      & '*CONTROL, NAME=pid, TYPE=PID, KP=12, KI=15, KD=2, FILTER=0.02, LEAST=-5, MOST=5', &
-      & ' 0.5 - angle(rod)', &
-      & '*TORQUE, NAME=motor, BODY=rod', &
-      & ' output(pid)']
+      & '*CONTROL, NAME=pid, TYPE=PID, KP=400, KI=600, KD=40, LEAST=-90, MOST=90, PERIOD=0.005, DELAY=0.002', &
+      & ' wanted - angle(arm)', &
+      & '*CONTROL, NAME=motor, TYPE=LAG, TIME CONSTANT=0.004, SCALE=1', &
+      & ' output(pid)', &
+      & '*TORQUE, NAME=drive, BODY=arm', &
+      & ' output(motor)']
 
    !> Options that only some types have, and these types
    type :: allowed_type
@@ -228,7 +230,7 @@ contains
          & 'the derivative of a continuous PID needs a FILTER', 'add FILTER=, the time constant of its lag; or PERIOD=')
       if (block%given('FILTER') .and. sampled) call diagnostics%add(block%origin_of('FILTER'), &
          & 'the derivative of a sampled PID is the difference of two samples, without a FILTER', 'remove FILTER or PERIOD')
-      if (block%given('FILTER') .and. .not. derives) call diagnostics%add(block%origin_of('FILTER'), &
+      if (block%given('FILTER') .and. .not. (derives .or. sampled)) call diagnostics%add(block%origin_of('FILTER'), &
          & 'FILTER is of the derivative, and KD is zero', 'remove FILTER')
       if (block%given('TRACKING') .and. (sampled .or. .not. limited)) call diagnostics%add(block%origin_of('TRACKING'), &
          & 'TRACKING is of a continuous PID with limits', 'remove it, or give LEAST or MOST')

@@ -78,8 +78,8 @@ contains
                other = find_control(model, own%inputs(i)%slots(k)%argument)
                if (other == 0) cycle
                if (visited(other) > 0) then
-                  call diagnostics%add(own%inputs(i)%slots(k)%origin, 'an algebraic loop: '//way(model, visited, visited(other)) &
-                     & //' depend on each other at once', 'put a state between them: LAG, or HOLD with a DELAY')
+                  call diagnostics%add(own%inputs(i)%slots(k)%origin, 'an algebraic loop: '//way(model, visited, &
+                     & visited(other)), 'put a state between, as that of a LAG or HOLD')
                   own%inputs(i)%slots(k)%name = 't'
                   own%inputs(i)%slots(k)%argument = ''
                else
@@ -109,7 +109,7 @@ contains
       read (name(2:), *) number
    end function number_of
 
-   !> Names of the controls on the way, from a place on it.
+   !> What the controls on the way do, from a place on it.
    function way(model, visited, first) result(text)
       type(model_type), intent(in) :: model
       integer, intent(in) :: visited(:), first
@@ -121,7 +121,7 @@ contains
          if (text /= '') text = text//', '
          text = text//"'"//model%controls(i)%name//"'"
       end do
-      if (first == maxval(visited)) text = text//' and itself'
+      text = text//trim(merge(' depends on itself at once      ', ' depend on each other at once   ', first == maxval(visited)))
    end function way
 
    !> Replaces inputs and states in a function of a control.

@@ -73,7 +73,7 @@ module limber_elements_control
       &    //' first one')]
    !> An example, as it stands in a deck of the tests
    character(*), parameter :: example(*) = [character(110) :: &
-      & '*CONTROL, NAME=pid, TYPE=PID, KP=400, KI=600, KD=40, LEAST=-90, MOST=90, PERIOD=0.005, DELAY=0.002', &
+      & '*CONTROL, NAME=pid, TYPE=PID, KP=400, KI=600, KD=40, LEAST=-30, MOST=30, PERIOD=0.005, DELAY=0.002', &
       & ' wanted - angle(arm)', &
       & '*CONTROL, NAME=motor, TYPE=LAG, TIME CONSTANT=0.004, SCALE=1', &
       & ' output(pid)', &

@@ -76,8 +76,9 @@ contains
                   & quantity_stress_bottom)
                   recorder%needs_accelerations = .true.
                   recorder%needs_sections = .true.
-               case (quantity_vx, quantity_vy, quantity_spin, quantity_joint_spin, quantity_sliding_speed, quantity_state)
+               case (quantity_vx, quantity_vy, quantity_spin, quantity_joint_spin, quantity_sliding_speed)
                   recorder%needs_velocities = .true.
+               case (quantity_state); recorder%needs_velocities = .true.
                case (quantity_kinetic, quantity_potential); recorder%needs_energy = .true.
                case (quantity_work); recorder%needs_work = .true.
                case (quantity_momentum_x, quantity_momentum_y, quantity_angular_momentum); recorder%needs_momentum = .true.

@@ -345,7 +345,9 @@ contains
       allocate (drawn(size(model%points)))
       do i = 1, size(drawn)
          associate (name => model%points(i)%name)
-            if (is_beam(model, model%points(i)%body)) then
+            if (model%points(i)%direction) then
+               drawn(i) = .false.
+            else if (is_beam(model, model%points(i)%body)) then
                drawn(i) = index(points_of_beams, ' '//name(index(name, '.') + 1:)//' ') == 0
             else
                drawn(i) = index(points_of_bodies, ' '//name(index(name, '.') + 1:)//' ') == 0

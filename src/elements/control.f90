@@ -12,7 +12,7 @@ module limber_elements_control
       & kind_name, kind_real, kind_positive, kind_nonnegative, kind_word, kind_law, form_fields
    use limber_model_controls, only: append_control, add_states
    use limber_model_element, only: element_type
-   use limber_model_model, only: model_type, control_type, most_slots
+   use limber_model_model, only: model_type, control_type, switch_type, most_slots
    implicit none
    private
    public :: control_element_type, control_element
@@ -24,9 +24,9 @@ module limber_elements_control
    type(option_spec_type), parameter :: options(*) = [ &
       & option_spec_type('CONTROL', 'NAME', kind_name, 'controls', '', needed, 'name of the control'), &
       & option_spec_type('CONTROL', 'TYPE', kind_word, 'INTEGRATOR|LAG|SECOND ORDER|TRANSFER FUNCTION|STATE SPACE|PID|' &
-      &    //'SATURATION|DEAD ZONE|RATE LIMIT|HOLD', '', needed, 'what it makes of its input'), &
+      &    //'SATURATION|DEAD ZONE|HYSTERESIS|RATE LIMIT|HOLD', '', needed, 'what it makes of its input'), &
       & option_spec_type('CONTROL', 'GAIN', kind_real, '', '', '1', &
-      &    'INTEGRATOR, LAG, SECOND ORDER, SATURATION, DEAD ZONE, RATE LIMIT, HOLD: what the input is multiplied by'), &
+      &    'factor of the input, but for TRANSFER FUNCTION, STATE SPACE, PID; HYSTERESIS: the output if it is on'), &
       & option_spec_type('CONTROL', 'TIME CONSTANT', kind_positive, '', 's', '', &
       &    'LAG, RATE LIMIT: how slowly the output follows'), &
       & option_spec_type('CONTROL', 'FREQUENCY', kind_positive, '', 'rad/s', '', &
@@ -38,9 +38,9 @@ module limber_elements_control
       & option_spec_type('CONTROL', 'FILTER', kind_positive, '', 's', '', &
       &    'PID without PERIOD: time constant of the lag of the derivative, which starts at rest'), &
       & option_spec_type('CONTROL', 'LEAST', kind_real, '', '', '', &
-      &    'PID, SATURATION, HOLD: least output; DEAD ZONE: end of the zone below; RATE LIMIT: least rate'), &
+      &    'PID, SATURATION, HOLD: least output; DEAD ZONE, HYSTERESIS: limit of the input below; RATE LIMIT: least rate'), &
       & option_spec_type('CONTROL', 'MOST', kind_real, '', '', '', &
-      &    'PID, SATURATION, HOLD: greatest output; DEAD ZONE: end of the zone above; RATE LIMIT: greatest rate'), &
+      &    'PID, SATURATION, HOLD: greatest output; DEAD ZONE, HYSTERESIS: limit above; RATE LIMIT: greatest rate'), &
       & option_spec_type('CONTROL', 'TRACKING', kind_positive, '', 's', '', &
       &    'PID with limits, without PERIOD: time in which the integral goes back; default: KP/KI'), &
       & option_spec_type('CONTROL', 'PERIOD', kind_positive, '', 's', '', &
@@ -68,6 +68,8 @@ module limber_elements_control
       &    //' where the integral stops (PERIOD) or goes back (TRACKING)'), &
       & word_spec_type('CONTROL', 'SATURATION', 'GAIN times the input, but not below LEAST and not above MOST'), &
       & word_spec_type('CONTROL', 'DEAD ZONE', 'GAIN times the part of the input that is above MOST or below LEAST'), &
+      & word_spec_type('CONTROL', 'HYSTERESIS', 'zero, or GAIN from when the input rises above MOST until it falls below LEAST;' &
+      &    //' these turns are events. INITIAL, 0 or GAIN, if the input starts between them'), &
       & word_spec_type('CONTROL', 'RATE LIMIT', 'a lag of first order whose rate is not below LEAST and not above MOST'), &
       & word_spec_type('CONTROL', 'HOLD', 'GAIN times the input at the last sample, between LEAST and MOST; INITIAL before the' &
       &    //' first one')]
@@ -86,14 +88,14 @@ module limber_elements_control
       character(80) :: types
    end type allowed_type
    type(allowed_type), parameter :: allowed(*) = [ &
-      & allowed_type('GAIN', 'INTEGRATOR|LAG|SECOND ORDER|SATURATION|DEAD ZONE|RATE LIMIT|HOLD'), &
+      & allowed_type('GAIN', 'INTEGRATOR|LAG|SECOND ORDER|SATURATION|DEAD ZONE|HYSTERESIS|RATE LIMIT|HOLD'), &
       & allowed_type('TIME CONSTANT', 'LAG|RATE LIMIT'), allowed_type('FREQUENCY', 'SECOND ORDER'), &
       & allowed_type('DAMPING', 'SECOND ORDER'), allowed_type('KP', 'PID'), allowed_type('KI', 'PID'), &
       & allowed_type('KD', 'PID'), allowed_type('FILTER', 'PID'), &
-      & allowed_type('LEAST', 'PID|SATURATION|DEAD ZONE|RATE LIMIT|HOLD'), &
-      & allowed_type('MOST', 'PID|SATURATION|DEAD ZONE|RATE LIMIT|HOLD'), allowed_type('TRACKING', 'PID'), &
+      & allowed_type('LEAST', 'PID|SATURATION|DEAD ZONE|HYSTERESIS|RATE LIMIT|HOLD'), &
+      & allowed_type('MOST', 'PID|SATURATION|DEAD ZONE|HYSTERESIS|RATE LIMIT|HOLD'), allowed_type('TRACKING', 'PID'), &
       & allowed_type('PERIOD', 'PID|HOLD'), allowed_type('DELAY', 'PID|HOLD'), &
-      & allowed_type('INITIAL', 'INTEGRATOR|LAG|SECOND ORDER|PID|RATE LIMIT|HOLD'), &
+      & allowed_type('INITIAL', 'INTEGRATOR|LAG|SECOND ORDER|PID|HYSTERESIS|RATE LIMIT|HOLD'), &
       & allowed_type('SCALE', 'INTEGRATOR|LAG|SECOND ORDER|TRANSFER FUNCTION|STATE SPACE|PID|RATE LIMIT')]
 
    type, extends(element_type) :: control_element_type
@@ -143,6 +145,7 @@ contains
          case ('HOLD')
             call read_sampled(block, control, scales, diagnostics)
             control%gains = [block%real('GAIN'), 0.0_wp, 0.0_wp]
+         case ('HYSTERESIS'); call read_hysteresis(block, model, control, scales, diagnostics)
          case ('SATURATION', 'DEAD ZONE'); call read_zone(block, control, scales, diagnostics)
          end select
       end associate
@@ -168,6 +171,8 @@ contains
       if (kind == 'SECOND ORDER') call need('FREQUENCY')
       if (kind == 'SECOND ORDER') call need('DAMPING')
       if (kind == 'HOLD') call need('PERIOD')
+      if (kind == 'HYSTERESIS') call need('LEAST')
+      if (kind == 'HYSTERESIS') call need('MOST')
       if (any(kind == [character(10) :: 'SATURATION', 'DEAD ZONE', 'RATE LIMIT']) .and. .not. (block%given('LEAST') .or. &
          & block%given('MOST'))) call diagnostics%add(block%origin_of('TYPE'), "control '"//block%name()//"' has no limits", &
          & 'add LEAST= or MOST=, or both')
@@ -175,6 +180,9 @@ contains
          if (block%real('LEAST') > block%real('MOST')) call diagnostics%add(block%origin_of('LEAST'), &
             & 'LEAST='//as_text(block%real('LEAST'))//' is above MOST='//as_text(block%real('MOST')), 'exchange them')
       end if
+      if (kind == 'HYSTERESIS' .and. abs(block%real('INITIAL')) > 0.0_wp .and. abs(block%real('INITIAL') - block%real('GAIN')) &
+         & > 0.0_wp) call diagnostics%add(block%origin_of('INITIAL'), 'a hysteresis has the output 0 or '// &
+         & as_text(block%real('GAIN'))//', its GAIN', 'give INITIAL=0 or INITIAL='//as_text(block%real('GAIN')))
       if (kind == 'RATE LIMIT') then
          if (block%given('LEAST') .and. block%real('LEAST') > 0.0_wp) call diagnostics%add(block%origin_of('LEAST'), &
             & 'the least rate is above zero: the output could never rest', 'give a rate that is not above zero')
@@ -469,6 +477,28 @@ contains
       if (block%given('MOST')) control%most = block%real('MOST')
       call set_output(block, control, 's1', diagnostics)
    end subroutine read_sampled
+
+   !> HYSTERESIS: its state is the output, which follows a switch of its own.
+   subroutine read_hysteresis(block, model, control, scales, diagnostics)
+      type(block_type), intent(in) :: block
+      type(model_type), intent(inout) :: model
+      type(control_type), intent(inout) :: control
+      real(wp), allocatable, intent(out) :: scales(:)
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(switch_type) :: switch
+      call begin_states(block, control, 1, scales)
+      control%first(1) = block%real('INITIAL')
+      control%gains(1) = block%real('GAIN')
+      control%least = block%real('LEAST')
+      control%most = block%real('MOST')
+      switch%name = control%name//' on'
+      switch%on = abs(block%real('INITIAL')) > 0.0_wp
+      model%switches = [model%switches, switch]
+      control%switch = size(model%switches)
+      call compile_text(block, control, 'u1 - '//value(control%most), control%above, diagnostics)
+      call compile_text(block, control, 'u1 - '//value(control%least), control%below, diagnostics)
+      call set_output(block, control, 's1', diagnostics)
+   end subroutine read_hysteresis
 
    !> SATURATION and DEAD ZONE, eq. (5.82).
    subroutine read_zone(block, control, scales, diagnostics)

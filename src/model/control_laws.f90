@@ -3,14 +3,14 @@
 !> 5.21.
 module limber_model_control_laws
    use limber_base_kinds, only: wp
-   use limber_base_text, only: nearest_name
+   use limber_base_text, only: as_text, nearest_name
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_expression, only: expression_type
    use limber_deck_origin, only: origin_type
    use limber_deck_substitution, only: replacement_type, replace_slots, slot_alone
    use limber_model_controls, only: find_control
    use limber_model_load_parts, only: new_part, set_law, append_part
-   use limber_model_model, only: model_type, along_axis
+   use limber_model_model, only: model_type, event_type, along_axis, event_switch, turn_on, turn_off
    implicit none
    private
    public :: insert_outputs, insert_into
@@ -37,6 +37,9 @@ contains
       end do
       do i = 1, size(model%events)
          call insert_into(model, model%events(i)%law, diagnostics)
+      end do
+      do i = 1, size(model%controls)
+         if (model%controls(i)%switch > 0) call add_limits(model, i, diagnostics)
       end do
       do i = 1, size(model%controls)
          do k = 1, size(model%controls(i)%points)
@@ -206,6 +209,42 @@ contains
       call diagnostics%add(origin, "there is no control '"//name//"'", label, object=name)
    end subroutine complain_control
 
+   !> Adds the events at which a hysteresis turns on and off.
+   subroutine add_limits(model, control, diagnostics)
+      type(model_type), intent(inout) :: model
+      integer, intent(in) :: control
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(event_type) :: event
+      integer :: k
+      do k = 1, 2
+         event = event_type()
+         event%name = model%controls(control)%name//trim(merge(' above', ' below', k == 1))
+         event%text = 'input less '//as_text(merge(model%controls(control)%most, model%controls(control)%least, k == 1))
+         event%law = model%controls(control)%above
+         if (k == 2) event%law = model%controls(control)%below
+         call insert_own(model, control, event%law, diagnostics)
+         event%direction = merge(1, -1, k == 1)
+         event%action = event_switch
+         event%switch = model%controls(control)%switch
+         event%to = merge(turn_on, turn_off, k == 1)
+         event%control = control
+         call append_event(model, event)
+      end do
+   end subroutine add_limits
+
+   !> Appends an event. No array constructor: gfortran copies types with deep components badly there.
+   subroutine append_event(model, event)
+      type(model_type), intent(inout) :: model
+      type(event_type), intent(in) :: event
+      type(event_type), allocatable :: longer(:)
+      integer :: n
+      n = size(model%events) + 1
+      allocate (longer(n))
+      longer(:n - 1) = model%events
+      longer(n) = event
+      call move_alloc(longer, model%events)
+   end subroutine append_event
+
    !> Adds the rate of a state as a law of the body that carries it, unless it has none.
    subroutine add_rate(model, control, state, diagnostics)
       type(model_type), intent(inout) :: model
@@ -213,7 +252,7 @@ contains
       type(diagnostics_type), intent(inout) :: diagnostics
       type(expression_type) :: law
       integer :: n
-      if (model%controls(control)%period > 0.0_wp) return
+      if (model%controls(control)%period > 0.0_wp .or. model%controls(control)%switch > 0) return
       law = model%controls(control)%rates(state)
       call insert_own(model, control, law, diagnostics)
       n = size(model%load_parts) + 1

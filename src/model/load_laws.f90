@@ -32,10 +32,11 @@ contains
       end do
       ! The input of a continuous control is in the laws of its states, where it has been complained of
       do i = 1, size(model%controls)
-         if (diagnostics%count > before .and. .not. model%controls(i)%period > 0.0_wp) cycle
+         if (diagnostics%count > before .and. .not. (model%controls(i)%period > 0.0_wp .or. model%controls(i)%switch > 0)) cycle
          call resolve_law(model, model%controls(i)%law, 'a control', model%controls(i)%quantities, diagnostics)
       end do
       do i = 1, size(model%events)
+         if (diagnostics%count > before .and. model%events(i)%control > 0) cycle
          call resolve_law(model, model%events(i)%law, 'an event', model%events(i)%quantities, diagnostics)
       end do
    end subroutine resolve_laws

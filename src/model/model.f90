@@ -365,6 +365,8 @@ module limber_model_model
       integer :: action = event_sample, number = 1
       !> Index of the switch that it turns, 0: none; turn_on, turn_off or toggle
       integer :: switch = 0, to = turn_on
+      !> Index of the control whose limit it is; 0 for events of the deck
+      integer :: control = 0
    end type event_type
 
    !> A switch: loads, joints and drivers act while it is on, or while it is off
@@ -394,7 +396,10 @@ module limber_model_model
       real(wp) :: period = 0.0_wp, delay = 0.0_wp
       !> Its gains of the input, of the sum and of the difference; limits of its output
       real(wp) :: gains(3) = 0.0_wp, least = -huge(1.0_wp), most = huge(1.0_wp)
-      !> Place of its keyword in the deck, for messages
+      !> Of a hysteresis: index of the switch that its output follows, 0: none; its input less the limit above, and less that below
+      integer :: switch = 0
+      type(expression_type) :: above, below
+      !> Index of its block in the deck, for messages
       integer :: block = 0
    end type control_type
 

@@ -12,7 +12,7 @@ module limber_multibody_control_states
    use limber_multibody_system, only: system_type, workspace_type
    implicit none
    private
-   public :: start_states, next_sample, take_samples, keep_states
+   public :: start_states, next_sample, take_samples, keep_states, follow_switches
 
    !> States of a sampled control: output; output that follows it; integral; last input; number of the last sample from 1, 0: none
    integer, parameter :: output = 1, following = 2, integral = 3, last_input = 4, number = 5
@@ -22,7 +22,8 @@ contains
    !> Adds what the first inputs give to the first values of states. One that depends on such a state of another control comes
    !> behind it.
    subroutine start_states(system, work, t, q, v)
-      type(system_type), intent(in) :: system
+      !> Receives the states of switches that are those of a hysteresis
+      type(system_type), intent(inout) :: system
       type(workspace_type), intent(inout) :: work
       !> Time, coordinates (nq)
       real(wp), intent(in) :: t, q(:)
@@ -33,9 +34,14 @@ contains
       do round = 1, size(system%inputs)
          do i = 1, size(system%inputs)
             associate (control => system%model%controls(i))
-               if (.not. any(abs(control%first_gain) > 0.0_wp)) cycle
+               if (.not. (any(abs(control%first_gain) > 0.0_wp) .or. control%switch > 0)) cycle
                value = input_value(system, work, i, t, q, v)
                if (.not. ieee_is_finite(value)) value = 0.0_wp
+               if (control%switch > 0) then
+                  if (value > control%most) system%on(control%switch) = .true.
+                  if (value < control%least) system%on(control%switch) = .false.
+                  call follow_switches(system, v)
+               end if
                do k = 1, size(control%points)
                   if (abs(control%first_gain(k)) > 0.0_wp) v(place(system, control, k)) = control%first(k) &
                      & + control%first_gain(k)*value
@@ -44,6 +50,19 @@ contains
          end do
       end do
    end subroutine start_states
+
+   !> Gives each hysteresis the output that its switch stands for.
+   pure subroutine follow_switches(system, v)
+      type(system_type), intent(in) :: system
+      !> Velocities (nq); receives the states
+      real(wp), intent(inout) :: v(:)
+      integer :: i
+      do i = 1, size(system%inputs)
+         associate (control => system%model%controls(i))
+            if (control%switch > 0) v(place(system, control, output)) = merge(control%gains(1), 0.0_wp, system%on(control%switch))
+         end associate
+      end do
+   end subroutine follow_switches
 
    !> The next instant behind a time at which a sampled control takes a sample, or changes its output; huge if there is none.
    pure real(wp) function next_sample(system, t, near) result(next)

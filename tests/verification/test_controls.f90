@@ -34,6 +34,7 @@ program test_controls
          call check_pendulum(trim(integrators(i)))
          call check_rotor(trim(integrators(i)))
          call check_hold(trim(integrators(i)))
+         call check_hysteresis(trim(integrators(i)))
       end do
    end do
    tolerance = '1e-6'
@@ -267,6 +268,37 @@ contains
       call compare(reader, 'output_sum', sum, bound(integrator), integrator)
       call reader%close()
    end subroutine check_hold
+
+   !> A heater that turns on and off by what a lag of its output is, against the times in closed form; one that starts between its
+   !> limits, and one that starts beyond.
+   subroutine check_hysteresis(integrator)
+      character(*), intent(in) :: integrator
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      real(wp), allocatable :: t(:)
+      real(wp) :: at
+      integer :: n
+      call run_scene(aside//'*CONTROL, NAME=room, TYPE=LAG, TIME CONSTANT=2'//nl//' 3*output(heater)'//nl// &
+         & '*CONTROL, NAME=heater, TYPE=HYSTERESIS, LEAST=-1.2, MOST=-0.8'//nl//' -output(room)'//nl// &
+         & '*CONTROL, NAME=between, TYPE=HYSTERESIS, LEAST=-1, MOST=9, GAIN=4, INITIAL=4'//nl//' t'//nl// &
+         & '*CONTROL, NAME=beyond, TYPE=HYSTERESIS, LEAST=-1, MOST=2, GAIN=-4'//nl//' 3 - 2*t'//nl, integrator, &
+         & 'END=8, OUTPUTS=40', ' output(room), output(heater), output(between), output(beyond)', reader)
+      call reader%read_numbers('/events/time', t, error)
+      call check_no_error(error, integrator//': turns')
+      call check(size(t) == 12, integrator//': number of turns')
+      ! Off at 1.2 from 0, and then from 0.8; on at 0.8; in between 'beyond' turns off at t = 2
+      t = pack(t, abs(t - 2) > 1.0e-2_wp)
+      call check(size(t) == 11, integrator//': number of turns of the heater')
+      at = 2*log(3/1.8_wp)
+      do n = 1, size(t)
+         call check_close(t(n), at, bound(integrator), integrator//', '//tolerance//': time of a turn')
+         at = at + 2*log(merge(1.2_wp/0.8_wp, 2.2_wp/1.8_wp, modulo(n, 2) == 1))
+      end do
+      call check(.not. any(abs(channel(reader, 'output_between') - 4) > 1.0e-12_wp), integrator//': starts between')
+      t = channel(reader, 'output_beyond')
+      call check(.not. any(abs(t(:9) + 4) > 1.0e-12_wp) .and. .not. any(abs(t(12:)) > 1.0e-12_wp), integrator//': starts beyond')
+      call reader%close()
+   end subroutine check_hysteresis
 
    !> A PID that is sampled at 1 kHz for 10 s costs at most 3 evaluations a sample more than a continuous one.
    subroutine check_cost()

@@ -78,9 +78,8 @@ contains
       do i = 1, size(integrators)
          call compare_pieces('pid_arm', results, 5, 'END=2.5, TOLERANCE=1e-8, OUTPUTS=250, INTEGRATOR=ADAMS', &
             & 'END=0.8, TOLERANCE=1e-5, OUTPUTS=80, INTEGRATOR='//integrators(i)//nl//'*DYNAMICS, END=1, OUTPUTS=9, '// &
-            & 'INTEGRATOR='//integrators(i), '*TORQUE', '*CONTROL, NAME=slow, TYPE=PID, KP=2, KI=4, KD=0.1, FILTER=0.01, MOST=1' &
-            & //nl//' output(motor)/30'//nl//'*CONTROL, NAME=high, TYPE=HYSTERESIS, LEAST=-1.5, MOST=-1.3, GAIN=0.1'//nl// &
-            & ' angle(arm)'//nl//'*TORQUE')
+            & 'INTEGRATOR='//integrators(i), '*TORQUE', '*CONTROL, NAME=i, TYPE=PID, KP=2, KI=4, KD=1, FILTER=0.1, MOST=1'//nl// &
+            & ' output(motor)'//nl//'*CONTROL, NAME=h, TYPE=HYSTERESIS, LEAST=-1.5, MOST=-1.3'//nl//' angle(arm)'//nl//'*TORQUE')
       end do
    end subroutine test_all
 

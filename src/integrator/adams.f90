@@ -157,8 +157,8 @@ contains
       if (self%maximum_step > 0.0_wp) self%h = min(self%h, self%maximum_step)
    end subroutine adams_start
 
-   !> A jump of the derivative moves all that it has been by as much: its value changes, its differences do not, eq. (5.84). Order
-   !> and step go on.
+   !> A jump of the accelerations moves all that they have been by as much, and gives the velocities before that slope: only the
+   !> first differences change, eq. (5.84). Order and step go on.
    subroutine adams_resume(self, system, work, duration, q, v, error)
       class(adams_type), intent(inout) :: self
       type(system_type), intent(in) :: system
@@ -174,6 +174,9 @@ contains
       self%y(:self%nq) = q(self%kept)
       self%y(self%nq + 1:2*self%nq) = v(self%kept)
       call evaluate(self, system, work, self%t, self%y, self%yp, error)
+      associate (nq => self%nq)
+         self%phi(:nq, 2) = self%phi(:nq, 2) + self%h_last*(self%yp(nq + 1:2*nq) - self%phi(nq + 1:2*nq, 1))
+      end associate
       self%phi(:, 1) = self%yp
    end subroutine adams_resume
 

@@ -32,6 +32,7 @@ module limber_analysis_analysis_steps
    use limber_output_internal_forces, only: join_envelopes
    use limber_output_progress, only: progress_type
    use limber_multibody_assembly, only: assemble, first_guess, turn_rates
+   use limber_multibody_control_states, only: keep_states
    use limber_multibody_equations_of_motion, only: linearise, worst_constraint
    use limber_multibody_equilibrium, only: equilibrium_type, new_equilibrium
    use limber_multibody_modal_damping, only: any_modal
@@ -311,7 +312,7 @@ contains
       !> Index of the next
       integer, intent(in) :: i
       type(error_type), allocatable, intent(out) :: error
-      real(wp), allocatable :: guess(:)
+      real(wp), allocatable :: guess(:), before(:)
       real(wp) :: residual, rotation, jumps(size(scene%system%constraints))
       integer :: culprit
       logical :: follows
@@ -330,11 +331,13 @@ contains
          rotation = scene%last%rotation
          if (step%kind == step_dynamics) scene%last%rotation = 0.0_wp
          allocate (guess(size(scene%q)))
+         before = scene%v
          if (step%velocities == velocities_none) scene%v = 0.0_wp
          if (step%velocities == velocities_of_deck) then
             call first_guess(system, step%dynamics%start, guess, scene%v)
             call turn_rates(system, guess, scene%q, scene%v)
          end if
+         call keep_states(system, before, scene%v)
          follows = is_motion_before(system%model, i)
          call begin_behind(system, scene%work, scene%q, follows, scene%begin, jumps, error)
          if (allocated(error)) return

@@ -45,6 +45,7 @@ module limber_analysis_dynamic_analysis
    use limber_output_progress, only: progress_type
    use limber_output_sample_sink, only: sink_type
    use limber_output_followed_turns, only: follow_places, follow_motion
+   use limber_multibody_control_states, only: next_sample, take_samples
    use limber_multibody_kinematics, only: place_frames, move_frames, settle_angles
    use limber_multibody_multiplier_system, only: place_constraints
    use limber_multibody_switching, only: exchange_switches
@@ -96,6 +97,7 @@ contains
       integer(long) :: tick
       real(wp) :: cpu
       integer :: before(2)
+      logical :: changed
       before = [scene%work%evaluations, scene%work%matrix%factorisations]
       call system_clock(tick)
       associate (nq => scene%system%layout%nq, dynamics => scene%system%model%dynamics)
@@ -112,13 +114,19 @@ contains
          if (allocated(scene%work%kinematics%angles)) allocate (scene%followed, source=scene%work%kinematics%angles)
          integrator%input%asked = recorder%needs_work
          outcome%shows_work = recorder%needs_work
-         integrator%speeds_asked = recorder%needs_velocities
+         ! The states of controls are velocities
+         integrator%speeds_asked = recorder%needs_velocities .or. any(scene%system%layout%carries)
          if (recorder%needs_accelerations) call integrator%ringing%watch(scene%system)
          sample%local = .not. (recorder%needs_places .or. watches_joints(scene%system))
          outcome%reached = dynamics%start
          scene%assembling = scene%assembling + seconds_since(tick)
          call system_clock(tick)
          call cpu_time(cpu)
+         if (size(scene%system%inputs) > 0) then
+            call take_samples(scene%system, scene%work, max(scene%begin, dynamics%start), 8*spacing(max(abs(dynamics%start), &
+               & abs(dynamics%end))), scene%q, scene%v, changed, error)
+            if (allocated(error)) return
+         end if
          call integrator%start(scene%system, scene%work, max(scene%begin, dynamics%start), &
             & dynamics%end - dynamics%start, scene%q, scene%v, error)
          if (.not. allocated(error)) call advance(scene, dynamics, integrator, recorder, sample, history, progress, &
@@ -181,6 +189,9 @@ contains
       !> Where the next step must end at the latest, the next break, times so near that there is no step between them, the time
       !> up to which the last step counts, the last break, and the end: right before it if a law of time changes there
       real(wp) :: stop, barrier, near, t, since, last
+      !> When a sampled control takes its next sample or changes its output; whether there are such controls
+      real(wp) :: next_instant
+      logical :: sampled
       integer :: passed, seen, begun
       logical :: at_station, cut, stiff, changes, first, again, turns
       !> What an event in the last step does, event_switch, ...; 0: nothing
@@ -193,6 +204,8 @@ contains
       t = max(scene%begin, dynamics%start)
       since = t
       last = last_instant(scene%system%model, dynamics%start, dynamics%end)
+      next_instant = next_sample(scene%system, t, near)
+      sampled = next_instant < huge(t)
       sample%q = scene%q
       sample%v = scene%v
       call watch_laws()
@@ -207,6 +220,7 @@ contains
       if (restarts(guard)) then
          call restore()
          if (passed > 0) since = breaks(passed)
+         next_instant = next_sample(scene%system, integrator%t, near)
       else
          call check_energy(scene, t, sample, outcome)
          if (looks_at_jumps(outcome%indicators)) call look(scene, dynamics, integrator, at_start, sample, outcome)
@@ -242,6 +256,7 @@ contains
          if (integrator%ends_on_samples) stop = min(stop, sample_time(dynamics, sample%next))
          if (.not. dynamics%fixed_step > 0.0_wp) stop = min(stop, integrator%t + turn_time(turning))
          stop = min(stop, crossings%hold, events%hold)
+         if (sampled) stop = min(stop, next_instant)
          if (present(pace)) call keep_pace()
          call integrator%step(scene%system, scene%work, stop, error)
          if (allocated(error)) then
@@ -331,6 +346,8 @@ contains
             if (.not. turns) call start_anew(t, .false.)
          end if
          if (turns .and. .not. allocated(error)) call turn_switch(max(t, integrator%t_before))
+         if (allocated(error)) exit
+         if (sampled .and. t >= next_instant - near) call pass_samples()
          if (allocated(error)) exit
          call record_before(t + near)
          if (changes .and. .not. allocated(error)) call change_integrator()
@@ -475,6 +492,28 @@ contains
          cut = crossings%found == found_jump
          if (crossings%found == found_bend) crossings%steps(crossings%which) = 0
       end subroutine meet_crossing
+
+      !> Takes the samples of controls at the end of the last step. Where an output changes the integrator goes on from there with
+      !> other loads.
+      subroutine pass_samples()
+         logical :: changed
+         call record_before(t - near)
+         if (allocated(error)) return
+         call integrator%interpolate(t, sample%q, sample%v, sample%w)
+         call integrator%complete(scene%system, scene%work, t, sample%q, sample%v)
+         call take_samples(scene%system, scene%work, t, near, sample%q, sample%v, changed, error)
+         if (allocated(error)) return
+         next_instant = next_sample(scene%system, t, near)
+         integrator%work_at_start = sample%w
+         call integrator%resume(scene%system, scene%work, dynamics%end - dynamics%start, sample%q, sample%v, error)
+         if (allocated(error)) return
+         since = t
+         if (.not. changed) return
+         call begin_added(added, t, sample%q, sample%v)
+         if (size(crossings%loads) > 0) call begin_crossings(crossings, scene%system, scene%work, t, sample%q, sample%v, sample%w)
+         if (size(curves%joints) > 0) call begin_curves(curves, scene%system, scene%work, t, sample%q, sample%v, sample%w)
+         if (size(events%counts) > 0) call begin_events(events, scene%system, scene%work, t, sample%q, sample%v, sample%w)
+      end subroutine pass_samples
 
       !> Starts anew at a time, where something changes abruptly.
       subroutine start_anew(time, of_time)

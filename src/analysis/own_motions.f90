@@ -88,6 +88,8 @@ contains
       allocate (body(0), beside(0))
       do i = 1, size(system%loads)
          associate (bodies => system%loads(i)%item%bodies)
+            ! A state of a control is no motion
+            if (any(system%layout%carries(pack(bodies, bodies /= ground)))) cycle
             if (system%loads(i)%item%resists .and. (size(bodies) == 1 .or. any(bodies == ground))) &
                & based = based .or. group == group(maxval(bodies))
             do j = 2, size(bodies)

@@ -117,8 +117,10 @@ contains
       most = allowed
       worst = 0
       body = 0
-      fastest = maxval([(maxval(self%largest(system%layout%w(i):system%layout%w(i) + 1)), i=1, size(system%layout%w))])
+      fastest = maxval([(maxval(self%largest(system%layout%w(i):system%layout%w(i) + 1)), i=1, size(system%layout%w))], &
+         & mask=.not. system%layout%carries)
       do i = 1, size(system%layout%w)
+         if (system%layout%carries(i)) cycle
          do k = 1, merge(3, 2, system%layout%framed(i))
             at = system%layout%w(i) + k - 1
             if (.not. self%largest(at)*merge(system%model%length, 1.0_wp, k == 3) > nothing*dynamics%tolerance*fastest) cycle

@@ -103,6 +103,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       integer :: i
       do i = 1, size(scene%system%model%bodies)
+         if (scene%system%layout%carries(i)) cycle
          call record_body(scene%system%model%bodies(i), scene%system%model%units, history, error)
          if (allocated(error)) return
       end do

@@ -4,6 +4,7 @@ module limber_analysis_switched_start
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text
+   use limber_multibody_control_states, only: follow_switches
    use limber_multibody_equations_of_motion, only: mechanical_energy
    use limber_multibody_projection, only: settle
    use limber_multibody_switching, only: set_switches, keep_values, missed_positions, find_redundant
@@ -44,6 +45,7 @@ contains
          rows = [(system%constraints(i)%item%rows, i=1, size(rows))]
          was_redundant = system%redundant
          call set_switches(system, work, on, renewed)
+         call follow_switches(system, sample%v)
          if (renewed) then
             closes = any([(system%constraints(i)%item%rows > rows(i), i=1, size(rows))])
             if (closes) call keep_values(system, work, rows, t, sample%q)

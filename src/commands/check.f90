@@ -40,7 +40,7 @@ contains
                end associate
                cycle
             end if
-            report = report//newline//'   '//body_line(model%bodies(i), model%units)
+            if (model%bodies(i)%control == 0) report = report//newline//'   '//body_line(model%bodies(i), model%units)
          end do
          report = report//newline//'   '//number_of(size(model%joints) - inner_joints(model), 'joint')//', '// &
             & number_of(size(model%drivers), 'driver')//', '//number_of(size(model%loads), 'load')//'; '// &

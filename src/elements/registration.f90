@@ -23,6 +23,7 @@ submodule (limber_deck_keywords) limber_elements_registration
    use limber_elements_friction, only: friction_element
    use limber_elements_stop, only: stop_element
    use limber_elements_switch, only: switch_element, switch_options
+   use limber_elements_control, only: control_element
    use limber_elements_event, only: event_element
    use limber_deck_schema, only: keyword_rows_type
    use limber_model_element, only: element_type, add_element
@@ -54,6 +55,7 @@ contains
       call register(friction_element())
       call register(stop_element())
       call register(switch_element())
+      call register(control_element())
       call register(event_element())
    end subroutine register_elements
 

@@ -84,6 +84,7 @@ module limber_integrator_adams
    contains
       procedure :: start => adams_start
       procedure :: step => adams_step
+      procedure :: resume => adams_resume
       procedure :: interpolate => adams_interpolate
       procedure :: interpolate_place => adams_interpolate_place
       procedure :: complete => adams_complete
@@ -155,6 +156,29 @@ contains
       if (self%initial_step > 0.0_wp) self%h = min(self%h, self%initial_step)
       if (self%maximum_step > 0.0_wp) self%h = min(self%h, self%maximum_step)
    end subroutine adams_start
+
+   !> A jump of the accelerations moves all that they have been by as much, and gives the velocities before that slope: only the
+   !> first differences change, eq. (5.84). Order and step go on.
+   subroutine adams_resume(self, system, work, duration, q, v, error)
+      class(adams_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: duration, q(:), v(:)
+      type(error_type), allocatable, intent(out) :: error
+      if (self%k_last == 0) then
+         call self%start(system, work, self%t, duration, q, v, error)
+         return
+      end if
+      self%q = q
+      self%v = v
+      self%y(:self%nq) = q(self%kept)
+      self%y(self%nq + 1:2*self%nq) = v(self%kept)
+      call evaluate(self, system, work, self%t, self%y, self%yp, error)
+      associate (nq => self%nq)
+         self%phi(:nq, 2) = self%phi(:nq, 2) + self%h_last*(self%yp(nq + 1:2*nq) - self%phi(nq + 1:2*nq, 1))
+      end associate
+      self%phi(:, 1) = self%yp
+   end subroutine adams_resume
 
    !> y' = [v; a; power], at any (t, y).
    subroutine evaluate(self, system, work, t, y, yp, error)

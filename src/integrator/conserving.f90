@@ -79,6 +79,7 @@ module limber_integrator_conserving
    contains
       procedure :: start => conserving_start
       procedure :: step => conserving_step
+      procedure :: resume => conserving_resume
       procedure :: interpolate => conserving_interpolate
       procedure :: exchange => exchange_conserving
    end type conserving_type
@@ -142,6 +143,19 @@ contains
       call frame_rates(system%layout, q, self%e, self%motion)
       call begin_means(self%means, system%layout, t, self%h, self%b, self%motion, work%lambda)
    end subroutine conserving_start
+
+   !> The next step is as long as it was to be.
+   subroutine conserving_resume(self, system, work, duration, q, v, error)
+      class(conserving_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: duration, q(:), v(:)
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: h
+      h = self%h
+      call self%start(system, work, self%t, duration, q, v, error)
+      self%h = max(self%h, h)
+   end subroutine conserving_resume
 
    subroutine conserving_step(self, system, work, stop, error)
       class(conserving_type), intent(inout) :: self
@@ -225,6 +239,7 @@ contains
       momentum = 0.0_wp
       self%reach = system%model%length
       do i = 1, size(system%model%bodies)
+         if (system%layout%carries(i)) cycle
          self%reach = max(self%reach, abs(self%q(system%layout%q(i))), abs(self%q(system%layout%q(i) + 1)))
          momentum = momentum + system%model%bodies(i)%reduced%mass*self%scales%fastest()
       end do
@@ -271,7 +286,8 @@ contains
       fresh = .false.
       if (abs(self%trial%h - self%h_factors) > same_step*self%trial%h) self%h_factors = 0.0_wp
       ! Rounding of one joint moves all that follows in a chain
-      noise = epsilon(noise)*max(1.0_wp, self%reach/(self%trial%h*minval(max(self%scales%speed, self%scales%driven)))) &
+      noise = epsilon(noise)*max(1.0_wp, self%reach/(self%trial%h*minval(max(self%scales%speed, self%scales%driven), &
+         & mask=.not. self%scales%is_state))) &
          & *max(1.0_wp, nw/many_rates)
       size_last = 0.0_wp
       least = huge(least)

@@ -14,6 +14,9 @@ module limber_integrator_error_scales
    private
    public :: scales_type, new_scales, update_scales, rate_scales, energy_scale, find_grain, connected_lengths
 
+   !> Scale of what is no place: the integral of a state of a control
+   real(wp), parameter :: no_place = 1.0e30_wp
+
    !> A scale for each component of [q; v]
    type :: scales_type
       !> Value for each component (2 nq)
@@ -29,6 +32,8 @@ module limber_integrator_error_scales
       real(wp), allocatable :: speed(:), driven(:)
       !> Whether a driver prescribes x or y of a body (2, bodies)
       logical, allocatable :: given(:, :)
+      !> Whether a group is a state of a control, whose speed is its size (groups)
+      logical, allocatable :: is_state(:)
       !> Deflection coordinate and its rate, of each body (bodies)
       real(wp), allocatable :: deflection(:), rate(:)
       !> True if rates of fast coordinates are weighed by the deflection that they make
@@ -56,6 +61,12 @@ contains
       allocate (scales%length(maxval([0, scales%group])))
       call find_lengths(system, scales%group, scales%length, scales%of_motion, scales%middle)
       allocate (scales%speed, source=scales%length/duration)
+      allocate (scales%is_state(size(scales%speed)), source=.false.)
+      do i = 1, size(scales%group)
+         if (.not. system%layout%carries(i)) cycle
+         scales%is_state(scales%group(i)) = .true.
+         scales%speed(scales%group(i)) = system%model%bodies(i)%state_scale
+      end do
       allocate (scales%driven(size(scales%speed)), source=0.0_wp)
       scales%deflection = 0.0_wp
       scales%rate = 0.0_wp
@@ -112,6 +123,7 @@ contains
          first = ground
          do j = 1, size(bodies)
             if (bodies(j) == ground) cycle
+            if (system%layout%carries(bodies(j))) cycle
             other = lowest(bodies(j))
             if (first == ground) first = other
             lower(max(first, other)) = min(first, other)
@@ -183,13 +195,16 @@ contains
       end do
       call visit_places(.false.)
       where (.not. length > 0.0_wp) length = 2*farthest
+      do i = 1, size(group)
+         if (system%layout%carries(i)) length(group(i)) = system%model%length
+      end do
       do i = 1, size(length)
          if (length(i) > together*max(distance(i), norm2(middle(:, i)))) cycle
          length(i) = max(part*system%model%length, min(distance(i), system%model%length))
          of_motion(i) = held(i) .and. all(group /= i .or. .not. system%layout%framed)
          if (of_motion(i)) length(i) = max(held_part*length(i), round_off/system%model%dynamics%tolerance*distance(i))
       end do
-      if (size(length) == 1 .and. .not. any(of_motion)) length = system%model%length
+      if (size(length) - count(system%layout%carries) == 1 .and. .not. any(of_motion)) length = system%model%length
 
    contains
 
@@ -241,7 +256,7 @@ contains
    !> The largest speed of all [length/time].
    pure real(wp) function fastest(self)
       class(scales_type), intent(in) :: self
-      fastest = max(maxval(self%speed), maxval(self%driven))
+      fastest = max(maxval(self%speed, mask=.not. self%is_state), maxval(self%driven, mask=.not. self%is_state))
    end function fastest
 
    !> Raises the scales to what occurs in a state.
@@ -331,7 +346,7 @@ contains
    pure real(wp) function energy_scale(system, scales)
       type(system_type), intent(in) :: system
       type(scales_type), intent(in) :: scales
-      energy_scale = 0.1_wp*sum(system%inertia(1, :))*scales%fastest()**2
+      energy_scale = 0.1_wp*system%mass*scales%fastest()**2
    end function energy_scale
 
    !> Writes the scales of all components.
@@ -347,6 +362,7 @@ contains
             scales%value(first:first + 1) = length
             scales%value(nq + first:nq + first + 1) = merge(max(speed, driven), speed, scales%given(:, i))
          end associate
+         if (system%layout%carries(i)) scales%value(first:first + 1) = no_place
          if (.not. system%layout%framed(i)) cycle
          n = system%layout%n(i)
          scales%value(first + 2:first + 3) = 1.0_wp
@@ -368,7 +384,7 @@ contains
       call snapshot%keep('driven_speed', self%driven)
       call snapshot%keep('deflection', self%deflection)
       call snapshot%keep('rate', self%rate)
-      ! Not saved: group, of_motion, middle, given, damping
+      ! Not saved: group, of_motion, middle, given, is_state, damping
    end subroutine exchange_scales
 
 end module limber_integrator_error_scales

@@ -47,6 +47,7 @@ module limber_integrator_implicit
       !> that of friction near rest, eq. (5.11)
       real(wp) :: strictness = 1.0_wp
    contains
+      procedure :: resume => resume_implicit
       procedure :: begin, begin_step_size, use_sparse, refresh, take_over, renew_scales, heed_failure, pass_fold, length_of_step, &
          & add_lost, singular_matrix, exchange_implicit
    end type implicit_type
@@ -92,6 +93,19 @@ contains
       self%w_before = self%w
       self%increment = 0.0_wp
    end subroutine begin
+
+   !> The next step is as long as it was to be.
+   subroutine resume_implicit(self, system, work, duration, q, v, error)
+      class(implicit_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: duration, q(:), v(:)
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: h
+      h = self%h
+      call self%start(system, work, self%t, duration, q, v, error)
+      self%h = max(self%h, h)
+   end subroutine resume_implicit
 
    !> First step: such that rates and accelerations change coordinates and rates by a part of their scales.
    subroutine begin_step_size(self, duration, part)

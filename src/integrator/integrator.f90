@@ -56,6 +56,8 @@ module limber_integrator_integrator
    contains
       procedure(start_interface), deferred :: start
       procedure(step_interface), deferred :: step
+      !> Takes over a state at t in which loads have jumped by what hardly changes them otherwise, as at a sample of a control
+      procedure :: resume => resume_by_start
       procedure(interpolate_interface), deferred :: interpolate
       !> The same where coordinates alone are asked for: velocities, and the work if no channel asks for it, may be left as they are
       procedure :: interpolate_place => interpolate_all
@@ -117,6 +119,17 @@ module limber_integrator_integrator
    end interface
 
 contains
+
+   !> By a start.
+   subroutine resume_by_start(self, system, work, duration, q, v, error)
+      class(integrator_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> As in `start`
+      real(wp), intent(in) :: duration, q(:), v(:)
+      type(error_type), allocatable, intent(out) :: error
+      call self%start(system, work, self%t, duration, q, v, error)
+   end subroutine resume_by_start
 
    !> Of an integrator whose velocities cost next to nothing.
    subroutine interpolate_all(self, t, q, v, w)
@@ -220,7 +233,7 @@ contains
       !> The body with the largest local error
       integer, intent(in) :: body
       type(error_type), allocatable, intent(out) :: error
-      character(:), allocatable :: where_it_is
+      character(:), allocatable :: where_it_is, culprit_name
       integer :: culprit, i
       real(wp) :: residual
       logical, allocatable :: drives(:)
@@ -235,8 +248,11 @@ contains
          if (where_it_is /= '' .and. any(drives)) where_it_is = where_it_is//'; the scene is driven by '// &
             & constraint_names(system, drives)//', which its joints may not follow from there'
       end if
-      call raise(error, 'the step has shrunk to nothing at t = '//as_text(self%t, 10)//where_it_is//"; body '"// &
-         & system%model%bodies(body)%name//"' has the largest local error. The motion may be diverging or at a singular"// &
+      culprit_name = "body '"//system%model%bodies(body)%name
+      if (system%layout%carries(body)) culprit_name = "a state of control '"//system%model%controls( &
+         & system%model%bodies(body)%control)%name
+      call raise(error, 'the step has shrunk to nothing at t = '//as_text(self%t, 10)//where_it_is//'; '// &
+         & culprit_name//"' has the largest local error. The motion may be diverging or at a singular"// &
          & ' position: try a smaller END, a looser TOLERANCE, or look at the history up to there')
    end subroutine step_too_small
 

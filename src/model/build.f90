@@ -18,6 +18,8 @@ module limber_model_build
    use limber_model_body_damping, only: add_damping
    use limber_model_event_checks, only: check_events
    use limber_model_element, only: elements, find_element
+   use limber_model_control_checks, only: check_controls
+   use limber_model_control_laws, only: insert_outputs
    use limber_model_load_laws, only: resolve_laws
    use limber_model_body_parts, only: check_parts
    use limber_model_points, only: add_point, find_body
@@ -64,7 +66,8 @@ contains
       allocate (model%bodies(0), model%wholes(0), model%points(0), model%joints(0), model%drivers(0), &
          & model%channels(0))
       allocate (model%load_parts(0), model%loads(0), model%assembly%deflections(0))
-      allocate (model%scalars(0), model%spreads(0), model%events(0), model%switches(0))
+      allocate (model%scalars(0), model%spreads(0), model%events(0), model%switches(0), &
+         & model%controls(0))
       call read_labels(deck, model)
       call add_point(model, 'ground.origin', ground, [0.0_wp, 0.0_wp])
       do i = 1, size(deck%blocks)
@@ -100,7 +103,9 @@ contains
          end do
          call trim_lists(model)
       end do
+      call insert_outputs(model, diagnostics)
       call resolve_laws(model, diagnostics)
+      call check_controls(deck, model, diagnostics)
       call check_events(deck, model, diagnostics)
       ! Again, with the points of the ground that joints and loads use
       model%length = scene_length(model)
@@ -118,7 +123,7 @@ contains
       if (diagnostics%count == 0) call add_recoveries(model, diagnostics)
       if (diagnostics%count == 0) call warn_of_ramp(deck, model, diagnostics)
       if (diagnostics%count == 0) call warn_of_short(deck, model, diagnostics)
-      if (size(model%bodies) == 0 .and. diagnostics%count == 0) call diagnostics%add(origin_type(file=1), &
+      if (all(model%bodies%control > 0) .and. diagnostics%count == 0) call diagnostics%add(origin_type(file=1), &
          & 'the deck has no body; it needs at least one *RIGID BODY, *POINT MASS, *BEAM or *FRAME')
    end subroutine build_blocks
 
@@ -237,6 +242,7 @@ contains
       middle = 0.0_wp
       count = 0
       do i = 1, size(model%bodies)
+         if (model%bodies(i)%control > 0) cycle
          middle = middle + model%bodies(i)%position
          count = count + 1
       end do
@@ -248,7 +254,7 @@ contains
       middle = middle/max(1, count)
       farthest = 0.0_wp
       do i = 1, size(model%bodies)
-         farthest = max(farthest, norm2(model%bodies(i)%position - middle))
+         if (model%bodies(i)%control == 0) farthest = max(farthest, norm2(model%bodies(i)%position - middle))
       end do
       do i = 1, size(model%points)
          if (is_place(i)) farthest = max(farthest, norm2(model%points(i)%p0 - middle))

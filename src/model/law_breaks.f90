@@ -118,6 +118,10 @@ contains
             if (model%load_parts(j)%driven) call visit(law_of_time(model%load_parts(j)), model%loads(i)%name)
          end do
       end do
+      do j = 1, size(model%load_parts)
+         i = model%load_parts(j)%control
+         if (i > 0) call visit(law_of_time(model%load_parts(j)), model%controls(i)%name)
+      end do
 
    contains
 

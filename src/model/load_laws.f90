@@ -1,5 +1,6 @@
-!> Quantities in the laws of loads and events. Floor: model.
+!> Quantities in the laws of loads, events and controls. Floor: model.
 module limber_model_load_laws
+   use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_expression, only: expression_type
@@ -8,7 +9,7 @@ module limber_model_load_laws
    use limber_model_model, only: model_type, quantity_type, place_on_beam, own_elongation, own_rate, most_slots
    use limber_model_quantities, only: quantities, quantity_x, quantity_y, quantity_vx, quantity_vy, quantity_angle, &
       & quantity_spin, quantity_u1, quantity_u2, quantity_elongation, quantity_rate, quantity_joint_angle, &
-      & quantity_joint_spin, quantity_displacement, quantity_sliding_speed
+      & quantity_joint_spin, quantity_displacement, quantity_sliding_speed, quantity_output, quantity_state
    use limber_model_requested_channels, only: find_quantity
    implicit none
    private
@@ -16,17 +17,26 @@ module limber_model_load_laws
 
 contains
 
-   !> Finds the quantities in the laws of all loads, and in those of all events. All bodies, joints and springs must be in the
-   !> model.
+   !> Finds the quantities in the laws of all loads, events and controls. All bodies, joints and springs must be in the model, and
+   !> outputs are replaced.
    subroutine resolve_laws(model, diagnostics)
       type(model_type), intent(inout) :: model
       type(diagnostics_type), intent(inout) :: diagnostics
-      integer :: i
+      integer :: i, before
+      before = diagnostics%count
       do i = 1, size(model%load_parts)
-         if (model%load_parts(i)%driven) call resolve_law(model, model%load_parts(i)%law, 'a load', &
-            & model%load_parts(i)%quantities, diagnostics)
+         associate (part => model%load_parts(i))
+            if (part%driven) call resolve_law(model, part%law, trim(merge('a control', 'a load   ', part%control > 0)), &
+               & part%quantities, diagnostics)
+         end associate
+      end do
+      ! The input of a continuous control is in the laws of its states, where it has been complained of
+      do i = 1, size(model%controls)
+         if (diagnostics%count > before .and. .not. (model%controls(i)%period > 0.0_wp .or. model%controls(i)%switch > 0)) cycle
+         call resolve_law(model, model%controls(i)%law, 'a control', model%controls(i)%quantities, diagnostics)
       end do
       do i = 1, size(model%events)
+         if (diagnostics%count > before .and. model%events(i)%control > 0) cycle
          call resolve_law(model, model%events(i)%law, 'an event', model%events(i)%quantities, diagnostics)
       end do
    end subroutine resolve_laws
@@ -70,7 +80,7 @@ contains
       type(diagnostics_type), intent(inout) :: diagnostics
       integer, parameter :: usable(*) = [quantity_x, quantity_y, quantity_vx, quantity_vy, quantity_angle, quantity_spin, &
          & quantity_u1, quantity_u2, quantity_elongation, quantity_rate, quantity_joint_angle, quantity_joint_spin, &
-         & quantity_displacement, quantity_sliding_speed]
+         & quantity_displacement, quantity_sliding_speed, quantity_output, quantity_state]
       character(:), allocatable :: list
       integer :: i
       if (any(usable == kind)) return

@@ -17,7 +17,7 @@ module limber_model_model
    private
    public :: model_type, body_type, whole_type, point_type, joint_type, function_term_type, term_type, driver_type
    public :: deflection_type
-   public :: load_part_type, distributed_load_type, named_load_type, scalar_type, event_type, switch_type
+   public :: load_part_type, distributed_load_type, named_load_type, scalar_type, event_type, switch_type, control_type
    public :: dynamics_type, analysis_step_type, channel_type, quantity_type, dimension_type, units_type
 
    !> Kinds of bodies: a point mass has a position only, other bodies also have a direction
@@ -146,6 +146,10 @@ module limber_model_model
       integer :: twin = 0
       !> Index of the whole of a piece; 0 for other bodies
       integer :: whole = 0
+      !> Index of the control of which it carries a state: a point of unit mass and without weight or energy, whose velocity along x
+      !> is the state; 0 for bodies of the deck. Size of the state below which errors do not shrink
+      integer :: control = 0
+      real(wp) :: state_scale = 0.0_wp
    end type body_type
 
    !> A beam of the deck in pieces, which are bodies welded together. Its name refers to the first piece. If the start is clamped,
@@ -302,6 +306,8 @@ module limber_model_model
       type(quantity_type), allocatable :: quantities(:)
       !> As of a joint
       integer :: switch = 0
+      !> Index of the control of which it is the rate of a state; 0 for loads of the deck
+      integer :: control = 0
    contains
       procedure :: is_of_time, is_constant
    end type load_part_type
@@ -359,6 +365,8 @@ module limber_model_model
       integer :: action = event_sample, number = 1
       !> Index of the switch that it turns, 0: none; turn_on, turn_off or toggle
       integer :: switch = 0, to = turn_on
+      !> Index of the control whose limit it is; 0 for events of the deck
+      integer :: control = 0
    end type event_type
 
    !> A switch: loads, joints and drivers act while it is on, or while it is off
@@ -367,6 +375,33 @@ module limber_model_model
       !> Whether it is on at the start
       logical :: on = .true.
    end type switch_type
+
+   !> A control: its output is a function of its states and inputs, which any law may depend on
+   type :: control_type
+      character(:), allocatable :: name
+      !> Inputs u1, u2, ... as functions of the motion
+      type(expression_type), allocatable :: inputs(:)
+      !> Output, and rates of the states that have one, as functions of inputs and states s1, s2, ... The output then of what these
+      !> depend on
+      type(expression_type) :: output
+      type(expression_type), allocatable :: rates(:)
+      !> Points of the bodies that carry the states (states)
+      integer, allocatable :: points(:)
+      !> First value of each state, and what is added to it for each unit of the first input at the start (states)
+      real(wp), allocatable :: first(:), first_gain(:)
+      !> The first input as a law, and the quantities that it depends on
+      type(expression_type) :: law
+      type(quantity_type), allocatable :: quantities(:)
+      !> Of a sampled one: period, and time from a sample to the output that follows from it; 0: it is not sampled
+      real(wp) :: period = 0.0_wp, delay = 0.0_wp
+      !> Its gains of the input, of the sum and of the difference; limits of its output
+      real(wp) :: gains(3) = 0.0_wp, least = -huge(1.0_wp), most = huge(1.0_wp)
+      !> Of a hysteresis: index of the switch that its output follows, 0: none; its input less the limit above, and less that below
+      integer :: switch = 0
+      type(expression_type) :: above, below
+      !> Index of its block in the deck, for messages
+      integer :: block = 0
+   end type control_type
 
    !> Options of an analysis in time, mainly of a dynamic one
    type :: dynamics_type
@@ -480,6 +515,7 @@ module limber_model_model
       type(scalar_type), allocatable :: scalars(:)
       type(event_type), allocatable :: events(:)
       type(switch_type), allocatable :: switches(:)
+      type(control_type), allocatable :: controls(:)
       !> True for motion records: samples of the coordinates of all bodies, for drawings
       logical :: motion = .false.
       type(assembly_choice_type) :: assembly

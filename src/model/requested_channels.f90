@@ -6,11 +6,14 @@ module limber_model_requested_channels
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_expression, only: slot_type
    use limber_deck_operations, only: function_names
+   use limber_model_control_laws, only: insert_into
+   use limber_model_controls, only: find_control, find_state
    use limber_model_lists, only: append
    use limber_model_points, only: find_point, find_body, find_named, enter_name
    use limber_model_quantities, only: quantities, of_point, of_body, of_beam_point, of_beam, of_joint, of_driver, of_spring, &
       & of_system, of_translational, of_turner, of_pusher, of_powered, quantity_elongation, quantity_rate, &
-      & of_flexible_point, of_section, of_coupler, quantity_stress_top, quantity_stress_bottom, &
+      & of_flexible_point, of_section, of_coupler, of_control, of_state, quantity_output, &
+      & quantity_stress_top, quantity_stress_bottom, &
       & quantity_kinetic, quantity_potential, quantity_work
    use limber_model_unit_rules, only: expression_units
    use limber_model_references, only: find_reference, warn_of_zero
@@ -70,6 +73,13 @@ contains
       call expression_units(channel%expression, slot_dimensions(channel%quantities), model%units, channel%dimension, channel%units)
       call find_reference(model, channel)
       call warn_of_zero(model, field, channel, diagnostics)
+      if (.not. any(channel%quantities%kind == quantity_output)) return
+      call insert_into(model, channel%expression, diagnostics)
+      deallocate (channel%quantities)
+      allocate (channel%quantities(size(channel%expression%slots)))
+      do i = 1, size(channel%quantities)
+         call find_quantity(channel%expression%slots(i), model, channel%quantities(i), diagnostics)
+      end do
    end subroutine new_channel
 
    !> Name of a channel without a given name: x(rod.middle) becomes x_rod_middle.
@@ -186,6 +196,12 @@ contains
          else if (size(model%joints(quantity%of)%terms) > 0) then
             if (model%joints(quantity%of)%terms(1)%kind == coordinate_displacement) quantity%dimension(1) = 1
          end if
+      case (of_control)
+         quantity%of = find_control(model, slot%argument)
+         if (quantity%of == 0) call complain_control(model, slot, 'control', diagnostics)
+      case (of_state)
+         quantity%of = find_state(model, slot%argument)
+         if (quantity%of == 0) call complain_control(model, slot, 'state', diagnostics)
       case (of_spring)
          call find_load(model, slot, model%loads%stretches, quantity)
          if (quantity%of == 0) call diagnostics%add(slot%origin, "there is no spring '"//slot%argument//"'", object=slot%argument)
@@ -198,6 +214,34 @@ contains
             & 'write '//slot%name//'(system)')
       end select
    end subroutine find_quantity
+
+   !> Reports a control or state that is none, with the nearest name, or the states that there are.
+   subroutine complain_control(model, slot, what, diagnostics)
+      type(model_type), intent(in) :: model
+      type(slot_type), intent(in) :: slot
+      !> 'control' or 'state'
+      character(*), intent(in) :: what
+      type(diagnostics_type), intent(inout) :: diagnostics
+      character(64) :: names(size(model%controls))
+      character(:), allocatable :: label, name
+      integer :: i, near, control
+      do i = 1, size(names)
+         names(i) = model%controls(i)%name
+      end do
+      name = slot%argument(:index(slot%argument//'.', '.') - 1)
+      control = find_control(model, name)
+      near = nearest_name(name, names)
+      label = 'controls are defined by *CONTROL'
+      if (near > 0) label = "did you mean '"//trim(names(near))//"'?"
+      if (control > 0) label = "write the name of the control alone: output("//name//')'
+      if (control > 0 .and. what == 'state') then
+         label = "control '"//name//"' has no states"
+         if (size(model%controls(control)%points) == 1) label = 'it has one state: write state('//name//'.x1)'
+         if (size(model%controls(control)%points) > 1) label = 'its states are x1 to x'// &
+            & as_text(size(model%controls(control)%points))//': write state('//name//'.x1)'
+      end if
+      call diagnostics%add(slot%origin, 'there is no '//what//" '"//slot%argument//"'", label, object=slot%argument)
+   end subroutine complain_control
 
    !> Finds the coupler of this name. Without one, `quantity` is unchanged.
    subroutine find_coupler(model, slot, quantity)
@@ -323,12 +367,15 @@ contains
       type(model_type), intent(in) :: model
       character(:), allocatable :: text
       integer, parameter :: most = 30
-      integer :: i
+      integer :: i, named
       text = 'bodies:'
-      do i = 1, min(most, size(model%bodies))
-         text = text//' '//model%bodies(i)%name
+      named = 0
+      do i = 1, size(model%bodies)
+         if (model%bodies(i)%control > 0) cycle
+         named = named + 1
+         if (named <= most) text = text//' '//model%bodies(i)%name
       end do
-      if (size(model%bodies) > most) text = text//' ... '//as_text(size(model%bodies))//' in all'
+      if (named > most) text = text//' ... '//as_text(named)//' in all'
    end function body_list
 
    !> Dimensions of quantities (quantities).
@@ -339,6 +386,8 @@ contains
       do i = 1, size(asked)
          slots(i)%exponents = asked(i)%dimension
          slots(i)%turns = merge(1, 0, asked(i)%angular)
+         ! The gains of a control may have any unit
+         if (asked(i)%kind > 0) slots(i)%open = any(quantities(asked(i)%kind)%of == [of_control, of_state])
          slots(i)%moment = all(asked(i)%dimension == energy) .and. .not. asked(i)%angular .and. &
             & all(asked(i)%kind /= [quantity_kinetic, quantity_potential, quantity_work])
       end do

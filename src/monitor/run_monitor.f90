@@ -111,6 +111,7 @@ contains
       integer :: i
       speed = 0.0_wp
       do i = 1, size(system%layout%q)
+         if (system%layout%carries(i)) cycle
          associate (first => system%layout%q(i))
             speed = max(speed, abs(v(first)), abs(v(first + 1)))
             if (system%layout%framed(i)) speed = max(speed, system%model%length*norm2(v(first + 2:first + 3)))
@@ -138,6 +139,7 @@ contains
       here = 0.0_wp
       body = 1
       do i = 1, size(system%layout%q)
+         if (system%layout%carries(i)) cycle
          first = system%layout%q(i)
          here = max(here, abs(v(first)), abs(v(first + 1)))
          change = max(abs(v(first) - self%v(first)), abs(v(first + 1) - self%v(first + 1)))

@@ -67,7 +67,7 @@ contains
       logical :: done
       culprit = 0
       allocate (result%redundancy, result%singular)
-      result%rates = system%layout%nw
+      result%rates = system%layout%nw - 2*count(system%layout%carries)
       result%equations = system%nc
       if (system%nc == 0) then
          allocate (result%redundancy%group(0), result%singular%group(0))

@@ -121,7 +121,8 @@ contains
       first = system%layout%q(i) + 4
       associate (body => system%model%bodies(i)%reduced, gravity => system%model%gravity, h => step%h)
          if (.not. system%layout%framed(i)) then
-            motion(at:at + 1) = (step%new_p(at:at + 1) - step%p(at:at + 1))/h - body%mass*gravity
+            motion(at:at + 1) = (step%new_p(at:at + 1) - step%p(at:at + 1))/h
+            if (.not. system%layout%carries(i)) motion(at:at + 1) = motion(at:at + 1) - body%mass*gravity
             return
          else if (step%bodies(i)%line > 0) then
             call exact_balance(system, work, step, i, y, motion)

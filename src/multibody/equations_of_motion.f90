@@ -160,7 +160,7 @@ contains
          associate (body => work%bodies(i), reduced => system%model%bodies(i)%reduced, frame => work%kinematics%frames(i))
             body%force = 0.0_wp
             if (.not. system%layout%framed(i)) then
-               if (heavy) body%force(1:2) = system%inertia(1, i)*system%model%gravity
+               if (heavy .and. .not. system%layout%carries(i)) body%force(1:2) = system%inertia(1, i)*system%model%gravity
                cycle
             else if (system%layout%n(i) == 0) then
                if (inertial) call rigid_forces(system%inertia(:, i), system%model%gravity, frame%u, frame%omega, body%force)
@@ -472,6 +472,7 @@ contains
       do i = 1, size(work%bodies)
          associate (reduced => system%model%bodies(i)%reduced)
             first = system%layout%q(i)
+            if (system%layout%carries(i)) cycle
             if (.not. system%layout%framed(i)) then
                kinetic = kinetic + 0.5_wp*reduced%mass*dot_product(v(first:first + 1), v(first:first + 1))
                potential = potential - reduced%mass*dot_product(system%model%gravity, q(first:first + 1))

@@ -13,6 +13,8 @@ module limber_multibody_layout
    type :: layout_type
       !> True for a body with a floating frame (bodies)
       logical, allocatable :: framed(:)
+      !> True for a point that carries a state of a control, its velocity along x: no place, weight or energy (bodies)
+      logical, allocatable :: carries(:)
       !> Number of coordinates eta (bodies)
       integer, allocatable :: n(:)
       !> First index of r in q (bodies)
@@ -34,9 +36,11 @@ contains
       type(layout_type) :: layout
       integer :: i, bodies
       bodies = size(model%bodies)
-      allocate (layout%framed(bodies), layout%n(bodies), layout%q(bodies), layout%rates(bodies), layout%w(bodies))
+      allocate (layout%framed(bodies), layout%n(bodies), layout%q(bodies), layout%rates(bodies), layout%w(bodies), &
+         & layout%carries(bodies))
       do i = 1, bodies
          layout%framed(i) = model%bodies(i)%kind /= body_point
+         layout%carries(i) = model%bodies(i)%control > 0
          layout%n(i) = model%bodies(i)%reduced%n
          layout%rates(i) = merge(3, 2, layout%framed(i))
          layout%q(i) = layout%nq + 1

@@ -2,9 +2,10 @@
 !> on or depend on. Floor: multibody. Source: doc/theory, eqs. (3.31)-(3.37), (3.39).
 module limber_multibody_load_list
    use limber_base_kinds, only: wp
+   use limber_deck_expression, only: expression_type
    use limber_model_quantities, only: quantity_x, quantity_y, quantity_vx, quantity_vy, quantity_angle, quantity_spin, &
       & quantity_u1, quantity_u2, quantity_elongation, quantity_rate, quantity_joint_angle, quantity_joint_spin, &
-      & quantity_displacement, quantity_sliding_speed
+      & quantity_displacement, quantity_sliding_speed, quantity_state
    use limber_model_model, only: load_part_type, quantity_type, ground, along_axis, along_follower, along_distance, &
       & along_slide, along_angle, own_elongation, own_rate
    use limber_multibody_force_elements, only: force_element_type
@@ -17,7 +18,7 @@ module limber_multibody_load_list
    use limber_multibody_springs, only: point_spring_type
    implicit none
    private
-   public :: new_loads, new_event_scalars
+   public :: new_loads, new_event_scalars, new_control_inputs
 
    !> Distance below which a spring's direction fades, relative to its length
    real(wp), parameter :: softening = 1.0e-10_wp
@@ -35,6 +36,8 @@ contains
          associate (load => loads(i)%item)
             load%grows = system%model%load_parts(i)%is_constant()
             load%resists = may_resist(system%model%load_parts(i))
+            ! The rate of a state of a control has no power
+            if (system%model%load_parts(i)%control > 0) load%powered = .false.
             allocate (load%rates(size(load%bodies)), load%offsets(size(load%bodies)))
             load%rates = 0
             do side = 1, size(load%bodies)
@@ -51,23 +54,46 @@ contains
       class(registry_type), intent(inout) :: system
       !> In the order of the events
       type(force_element_type), allocatable, intent(out) :: scalars(:)
-      type(load_part_type) :: none
-      integer :: i, k, number
+      integer :: i, number
       number = 0
       if (allocated(system%model%events)) number = size(system%model%events)
       allocate (scalars(number))
       do i = 1, size(scalars)
-         associate (scalar => scalars(i), slots => size(system%model%events(i)%quantities))
-            scalar%factor = 1.0_wp
-            scalar%driven = .true.
-            scalar%law = system%model%events(i)%law
-            allocate (scalar%functions(0), scalar%bodies(0), scalar%slots(slots), scalar%by_rate(slots))
-         end associate
-         do k = 1, size(scalars(i)%slots)
-            call read_slot(system, none, system%model%events(i)%quantities(k), scalars(i), k)
-         end do
+         call new_scalar(system, system%model%events(i)%law, system%model%events(i)%quantities, scalars(i))
       end do
    end subroutine new_event_scalars
+
+   !> The first inputs of the controls of the model, as laws along nothing.
+   subroutine new_control_inputs(system, scalars)
+      class(registry_type), intent(inout) :: system
+      !> In the order of the controls
+      type(force_element_type), allocatable, intent(out) :: scalars(:)
+      integer :: i, number
+      number = 0
+      if (allocated(system%model%controls)) number = size(system%model%controls)
+      allocate (scalars(number))
+      do i = 1, size(scalars)
+         call new_scalar(system, system%model%controls(i)%law, system%model%controls(i)%quantities, scalars(i))
+      end do
+   end subroutine new_control_inputs
+
+   !> A law along nothing.
+   subroutine new_scalar(system, law, quantities, scalar)
+      class(registry_type), intent(inout) :: system
+      type(expression_type), intent(in) :: law
+      !> What it depends on (slots)
+      type(quantity_type), intent(in) :: quantities(:)
+      type(force_element_type), intent(inout) :: scalar
+      type(load_part_type) :: none
+      integer :: k
+      scalar%factor = 1.0_wp
+      scalar%driven = .true.
+      scalar%law = law
+      allocate (scalar%functions(0), scalar%bodies(0), scalar%slots(size(quantities)), scalar%by_rate(size(quantities)))
+      do k = 1, size(quantities)
+         call read_slot(system, none, quantities(k), scalar, k)
+      end do
+   end subroutine new_scalar
 
    !> The load of a part, of the cheapest type that can be it.
    subroutine new_load(system, part, item)
@@ -285,10 +311,10 @@ contains
       by_rate = .false.
       like%points = [quantity%of, 0]
       select case (quantity%kind)
-      case (quantity_x, quantity_y, quantity_vx, quantity_vy)
+      case (quantity_x, quantity_y, quantity_vx, quantity_vy, quantity_state)
          like%along = along_axis
          if (quantity%kind == quantity_y .or. quantity%kind == quantity_vy) like%angle = 0.5_wp*acos(-1.0_wp)
-         by_rate = quantity%kind == quantity_vx .or. quantity%kind == quantity_vy
+         by_rate = quantity%kind == quantity_vx .or. quantity%kind == quantity_vy .or. quantity%kind == quantity_state
       case (quantity_angle, quantity_spin)
          like%along = along_angle
          like%points(1) = frame_point(system, quantity%of)

@@ -193,6 +193,7 @@ contains
       integer :: i, first, n
       momentum = 0.0_wp
       do i = 1, size(system%layout%q)
+         if (system%layout%carries(i)) cycle
          first = system%layout%q(i)
          n = system%layout%n(i)
          linear = system%model%bodies(i)%reduced%mass*v(first:first + 1)

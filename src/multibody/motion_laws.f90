@@ -437,6 +437,10 @@ contains
       !> Index of the load
       integer, intent(in) :: load
       character(:), allocatable :: text
+      associate (control => system%model%load_parts(load)%control)
+         if (control > 0) text = "the rate of a state of control '"//system%model%controls(max(1, control))%name//"'"
+         if (control > 0) return
+      end associate
       text = name_of_load(system, load)
       if (text == '') text = 'a load'
       text = 'the law of '//text

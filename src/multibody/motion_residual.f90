@@ -107,6 +107,8 @@ contains
          else if (system%layout%framed(i)) then
             call inertia_forces(reduced, n, system%model%gravity, frame%u, q(at:), frame%omega, v(at:), a(first:), a(first + 2), &
                & a(first + 3:), motion(first:))
+         else if (system%layout%carries(i)) then
+            motion(first:first + 1) = reduced%mass*a(first:first + 1)
          else
             motion(first:first + 1) = reduced%mass*(a(first:first + 1) - system%model%gravity)
          end if

@@ -12,7 +12,7 @@ module limber_multibody_system
    use limber_multibody_idle_parts, only: set_constraint, set_load
    use limber_multibody_kinematics, only: kinematics_type, new_kinematics
    use limber_multibody_force_elements, only: force_element_type
-   use limber_multibody_load_list, only: new_loads, new_event_scalars
+   use limber_multibody_load_list, only: new_loads, new_event_scalars, new_control_inputs
    use limber_multibody_load, only: load_item_type
    use limber_multibody_marker_registry, only: registry_type, start_registry, end_registry
    use limber_multibody_sparse_matrix, only: sparse_type
@@ -30,6 +30,10 @@ module limber_multibody_system
       type(load_item_type), allocatable :: loads(:)
       !> Scalars of the events of the model, as laws without a force
       type(force_element_type), allocatable :: events(:)
+      !> First inputs of the controls of the model, as laws without a force
+      type(force_element_type), allocatable :: inputs(:)
+      !> Mass of all bodies of the deck
+      real(wp) :: mass = 0.0_wp
       !> Of each body mass, first moment (2) and second moment of mass about the origin of its frame, undeformed; side by side,
       !> since they are all that the steps of a rigid body need (4, bodies)
       real(wp), allocatable :: inertia(:, :)
@@ -122,13 +126,14 @@ contains
       type(model_type), intent(in) :: model
       type(system_type) :: system
       type(load_item_type), allocatable :: loads(:)
-      type(force_element_type), allocatable :: events(:)
+      type(force_element_type), allocatable :: events(:), inputs(:)
       integer :: i
       call start_registry(system, model)
       allocate (system%inertia(4, size(model%bodies)))
       do i = 1, size(model%bodies)
          associate (body => model%bodies(i)%reduced)
             system%inertia(:, i) = [body%mass, body%c0(1), body%c0(2), body%i0]
+            if (.not. system%layout%carries(i)) system%mass = system%mass + body%mass
          end associate
       end do
       call new_constraints(model, system)
@@ -137,6 +142,8 @@ contains
       call move_alloc(loads, system%loads)
       call new_event_scalars(system, events)
       call move_alloc(events, system%events)
+      call new_control_inputs(system, inputs)
+      call move_alloc(inputs, system%inputs)
       call end_registry(system)
       system%powered = any([(system%constraints(i)%item%driven, i=1, size(system%constraints))])
       system%loaded = any([(system%loads(i)%item%powered, i=1, size(system%loads))])

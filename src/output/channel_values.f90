@@ -78,6 +78,7 @@ contains
                   recorder%needs_sections = .true.
                case (quantity_vx, quantity_vy, quantity_spin, quantity_joint_spin, quantity_sliding_speed)
                   recorder%needs_velocities = .true.
+               case (quantity_state); recorder%needs_velocities = .true.
                case (quantity_kinetic, quantity_potential); recorder%needs_energy = .true.
                case (quantity_work); recorder%needs_work = .true.
                case (quantity_momentum_x, quantity_momentum_y, quantity_angular_momentum); recorder%needs_momentum = .true.
@@ -292,6 +293,7 @@ contains
       case (quantity_joint_spin); value = joint_spin(system, quantity%of, q, v)
       case (quantity_displacement); value = joint_displacement(system, quantity%of, q)
       case (quantity_sliding_speed); value = joint_sliding(system, quantity%of, q, v)
+      case (quantity_state); value = v(system%layout%q(system%model%points(quantity%of)%body))
       case (quantity_coupling); value = coupler_effort(system, work, quantity%of)
       case (quantity_power)
          if (quantity%of_coupler) then

@@ -91,11 +91,13 @@ contains
       stretches = max(least_stretches, stretches_per_mode*model%bodies(body)%reduced%bending)
    end function stretches_of_beam
 
-   !> Number of coordinates that are drawn of a body.
+   !> Number of coordinates that are drawn of a body: of a state of a control none.
    pure integer function body_width(model, layout, body) result(width)
       type(model_type), intent(in) :: model
       type(layout_type), intent(in) :: layout
       integer, intent(in) :: body
+      width = 0
+      if (layout%carries(body)) return
       width = merge(4, 2, layout%framed(body)) + layout%n(body)
       if (model%bodies(body)%reduced%is_exact) width = 4 + 2*(named_places(model, body) + stretches_of_beam(model, body) + 1)
    end function body_width
@@ -139,6 +141,7 @@ contains
       at = 0
       k = 0
       do i = 1, size(layout%q)
+         if (layout%carries(i)) cycle
          first = layout%q(i)
          n = layout%n(i)
          if (.not. model%bodies(i)%reduced%is_exact) then

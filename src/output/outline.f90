@@ -7,7 +7,7 @@ module limber_output_outline
    use limber_beam_plane_frame, only: member_length
    use limber_beam_frame_reduction, only: frame_point_shape
    use limber_beam_beam_reduction, only: point_shape
-   use limber_model_model, only: place_on_curve, model_type, joint_type, body_point, body_flexible
+   use limber_model_model, only: place_on_curve, model_type, joint_type, body_point, body_flexible, ground
    use limber_output_drawn_coordinates, only: body_width, drawn_shape, drawn_place, named_places, stretches_of_beam
    use limber_output_motion_record, only: geometry_type, prepare
    use limber_multibody_plane_vectors, only: cross
@@ -37,6 +37,10 @@ contains
       place = 0
       shape = 0
       do i = 1, size(model%points)
+         if (is_state(model, model%points(i)%body)) then
+            call add_place(ground, model%points(i)%p0, model%points(i)%phi, geometry, place, shape)
+            cycle
+         end if
          geometry%place_names(i) = model%points(i)%name
          if (is_exact(model, model%points(i)%body)) then
             call add_place(model%points(i)%body, model%points(i)%p0, drawn_shape(model, layout, model%points(i)%body, &
@@ -49,7 +53,7 @@ contains
       call sort_points(model, order, first)
       call find_drawn(model, geometry, drawn)
       filled = 0
-      do body = 1, size(model%bodies)
+      do body = 1, size(geometry%bodies)
          geometry%bodies(body) = model%bodies(body)%name
          if (model%bodies(body)%kind == body_point) cycle
          if (is_bent_beam(model, body)) then
@@ -86,8 +90,10 @@ contains
             shapes = shapes + size(model%points(i)%phi)
          end if
       end do
-      allocate (geometry%bodies(size(model%bodies)), geometry%widths(size(model%bodies)))
-      do body = 1, size(model%bodies)
+      ! Those that carry states of controls are the last, and not drawn
+      allocate (geometry%bodies(count(model%bodies%control == 0)))
+      allocate (geometry%widths(size(geometry%bodies)))
+      do body = 1, size(geometry%bodies)
          geometry%widths(body) = body_width(model, layout, body)
          if (.not. (is_bent_beam(model, body) .or. model%bodies(body)%is_frame)) cycle
          places = places + members(model, body)*(stretches(model, body) + 1)
@@ -118,6 +124,14 @@ contains
       geometry%place_names = ''
       geometry%stroke_widths = 0
    end subroutine size_geometry
+
+   !> Whether a body, or the ground, carries a state of a control.
+   pure logical function is_state(model, body)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: body
+      is_state = .false.
+      if (body > 0) is_state = model%bodies(body)%control > 0
+   end function is_state
 
    !> Whether a body, or the ground, is a beam, rigid or not.
    pure logical function is_beam(model, body)
@@ -331,7 +345,9 @@ contains
       allocate (drawn(size(model%points)))
       do i = 1, size(drawn)
          associate (name => model%points(i)%name)
-            if (is_beam(model, model%points(i)%body)) then
+            if (model%points(i)%direction) then
+               drawn(i) = .false.
+            else if (is_beam(model, model%points(i)%body)) then
                drawn(i) = index(points_of_beams, ' '//name(index(name, '.') + 1:)//' ') == 0
             else
                drawn(i) = index(points_of_bodies, ' '//name(index(name, '.') + 1:)//' ') == 0

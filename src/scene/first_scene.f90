@@ -28,6 +28,7 @@ module limber_scene_first_scene
    use limber_multibody_redundant_constraints, only: redundancy_type, find_redundancy, constraint_names
    use limber_multibody_first_deflections, only: balance_start
    use limber_multibody_start_rates, only: follow_balance
+   use limber_multibody_control_states, only: start_states
    use limber_multibody_compliant_constraints, only: soften_constraints
    use limber_multibody_massless, only: find_massless
    use limber_multibody_joint_misfit, only: bend_least
@@ -157,6 +158,7 @@ contains
          call soften_constraints(scene%system)
          call new_workspace(scene%system, scene%work)
       end if
+      call start_states(scene%system, scene%work, scene%begin, scene%q, scene%v)
       call begin_energies(scene)
       if (scene%system%model%assembly%static_deflections) call settle_deflections(scene, diagnostics)
    end subroutine assemble_scene

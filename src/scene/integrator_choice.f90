@@ -42,7 +42,7 @@ contains
       character(:), allocatable, intent(out) :: integrator, reason
       type(choice_type) :: found
       call look_at_state(system, work, system%model%dynamics%start, q, v, found)
-      call decide(found, system%powered, system%model%dynamics, &
+      call decide(found, system%powered .or. any(system%layout%carries), system%model%dynamics, &
          & system%model%units%time, integrator, reason)
    end subroutine choose_integrator
 
@@ -150,6 +150,7 @@ contains
       pushed = 0.0_wp
       unit = system%model%length
       do i = 1, size(system%layout%q)
+         if (system%layout%carries(i)) cycle
          first = system%layout%q(i)
          moved = moved + sum(v(first:first + 1)**2)
          pushed = pushed + sum(change(first:first + 1)**2)
@@ -189,6 +190,7 @@ contains
       associate (dynamics => system%model%dynamics, length => system%model%length)
          rate = 0.0_wp
          do i = 1, size(system%layout%q)
+            if (system%layout%carries(i)) cycle
             first = system%layout%q(i)
             rate = max(rate, norm2(v(first:first + 1))/length, sqrt(norm2(a(first:first + 1))/length))
             if (system%layout%framed(i)) rate = max(rate, abs(cross(q(first + 2:first + 3), v(first + 2:first + 3))), &

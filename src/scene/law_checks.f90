@@ -36,6 +36,12 @@ contains
             end associate
          end do
       end do
+      do j = 1, size(model%load_parts)
+         associate (part => model%load_parts(j))
+            if (part%control > 0 .and. part%is_of_time()) call check_law(part%law, 'CONTROL', &
+               & model%controls(max(1, part%control))%name)
+         end associate
+      end do
 
    contains
 

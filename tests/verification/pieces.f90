@@ -30,7 +30,7 @@ contains
       integer, intent(in) :: parts
       !> Texts that occur in the deck, and what stands for them
       character(*), intent(in) :: old_1, new_1, old_2, new_2
-      character(120) :: old(2), new(2)
+      character(240) :: old(2), new(2)
       type(request_type) :: request
       type(error_type), allocatable :: error
       character(:), allocatable :: report, deck, other, title

@@ -1,6 +1,6 @@
 !> Interrupted runs have the bits of whole ones with all that a run may remember: breaks of drivers and loads, envelopes, axial
 !> coordinates at rest, elements of K_G, redundant constraints, estimates of errors, scalars, prescribed motions, curves, motions
-!> for drawings, events, switches.
+!> for drawings, events, switches, controls.
 program test_restart_features
    use pieces, only: compare_pieces
    use testing, only: finish
@@ -73,6 +73,13 @@ contains
             & 'END=0.9, TOLERANCE=1e-5, OUTPUTS=45, INTEGRATOR='//integrators(i)//nl//'*DYNAMICS, END=1.2, OUTPUTS=9, '// &
             & 'INTEGRATOR='//integrators(i), '*OUTPUT', '** '//integrators(i)//nl//'*FORCE, NAME=wind, POINT=ball, INACTIVE='// &
             & 'rest'//nl//' 0.5 - 0.02*vx(ball), 0'//nl//'*OUTPUT')
+      end do
+      ! Controls: states with rates, samples, a delay, limits; a second analysis
+      do i = 1, size(integrators)
+         call compare_pieces('pid_arm', results, 5, 'END=2.5, TOLERANCE=1e-8, OUTPUTS=250, INTEGRATOR=ADAMS', &
+            & 'END=0.8, TOLERANCE=1e-5, OUTPUTS=80, INTEGRATOR='//integrators(i)//nl//'*DYNAMICS, END=1, OUTPUTS=9, '// &
+            & 'INTEGRATOR='//integrators(i), '*TORQUE', '*CONTROL, NAME=i, TYPE=PID, KP=2, KI=4, KD=1, FILTER=0.1, MOST=1'//nl// &
+            & ' output(motor)'//nl//'*CONTROL, NAME=h, TYPE=HYSTERESIS, LEAST=-1.5, MOST=-1.3'//nl//' angle(arm)'//nl//'*TORQUE')
       end do
    end subroutine test_all
 

@@ -26,8 +26,8 @@ module limber_analysis_mode_aside
    real(wp), parameter :: little = 0.02_wp, beyond = 0.5_wp
    !> A vibration with less of its modal mass than this in the modes of the list that are at most so much faster is not in the list
    real(wp), parameter :: least_part = 0.5_wp, nearby = 1.3_wp
-   !> Vibrations beside those that are listed
-   integer, parameter :: beside = 6
+   !> Vibrations beside those that are listed; additional modes that are tried at least
+   integer, parameter :: beside = 6, least = 3
 
    !> The scene with more coordinates, and its vibrations
    type, extends(aside_type) :: rich_type
@@ -64,9 +64,19 @@ contains
       if (listed == 0 .or. all(level == nothing_more)) return
       damping = undamped_terms(balance)
       extra = additional_modes(scene%system, level, listed + beside)
-      allocate (rich)
-      call look_aside(scene, step, damping, level, extra, rich)
-      if (.not. rich%done) return
+      ! A coarse mesh has room for fewer
+      do
+         allocate (rich)
+         call look_aside(scene, step, damping, level, extra, rich)
+         if (rich%done .or. extra <= least) exit
+         deallocate (rich)
+         extra = max(least, extra/2)
+      end do
+      if (.not. rich%done) then
+         if (any(scene%system%model%bodies%is_frame)) text = "warning: modes of *MODES '"//step%name//"' are not compared with"// &
+            & ' those of more coordinates, for which the frame has too few finite elements; use more DIVISIONS'//newline
+         return
+      end if
       call judge(scene%system, own, listed, rich, verdict)
       if (verdict%error <= little) return
       body = worst_body(scene%system, rich, merge(verdict%lacking, verdict%mode, verdict%lacking > 0))

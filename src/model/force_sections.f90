@@ -12,7 +12,7 @@ module limber_model_force_sections
    use limber_base_kinds, only: wp
    implicit none
    private
-   public :: add_recoveries, recover_stations
+   public :: add_recoveries, recover_stations, recover_points
 
 contains
 
@@ -145,6 +145,52 @@ contains
       call spread_places(model, index, sections, places)
       call exact_recovery(sections, places, recovery)
    end subroutine recover_stations
+
+   !> Section forces of a body with modes at some of its points, on both sides of each.
+   subroutine recover_points(model, index, points, recovery, error)
+      type(model_type), intent(in) :: model
+      !> Indices of the body and of the points
+      integer, intent(in) :: index, points(:)
+      type(recovery_type), intent(out) :: recovery
+      type(error_type), allocatable, intent(out) :: error
+      type(section_type), allocatable :: sections(:)
+      type(load_place_type), allocatable :: places(:)
+      type(frame_type) :: frame
+      real(wp), allocatable :: shape(:, :, :)
+      integer :: i
+      allocate (sections(0))
+      do i = 1, size(points)
+         associate (point => model%points(points(i)))
+            if (point%along > 0.0_wp) sections = [sections, section_type(point%member, point%along, .false.)]
+            if (point%along < length_of(point%member)) sections = [sections, section_type(point%member, point%along, .true.)]
+         end associate
+      end do
+      allocate (places(own_points(model, index)))
+      associate (body => model%bodies(index))
+         if (body%is_frame) then
+            frame = body%mesh
+            shape = body%shape
+         else
+            call beam_frame(body%beam, body%choice%support, body%choice%origin, body%field, frame, shape)
+         end if
+         call spread_places(model, index, sections, places)
+         call new_recovery(frame, shape, body%reduced, sections, places, recovery, error)
+      end associate
+
+   contains
+
+      !> Length of a member, less what tells no place from its end.
+      pure real(wp) function length_of(member)
+         integer, intent(in) :: member
+         real(wp), parameter :: near = 1.0e-9_wp
+         associate (body => model%bodies(index))
+            length_of = body%beam%length
+            if (body%is_frame) length_of = sum(body%mesh%length, mask=body%mesh%member == member)
+         end associate
+         length_of = (1 - near)*length_of
+      end function length_of
+
+   end subroutine recover_points
 
    !> Fills the load places of a body: its points, and points that stand for loads along a member.
    subroutine spread_places(model, index, sections, places)

@@ -49,6 +49,9 @@ contains
       call read_draft(deck, index, draft, diagnostics)
       call settle_options(deck, index, draft)
       usable = diagnostics%count == before
+      ! An error of a material or section is told there
+      if (usable) usable = .not. (any(deck%blocks(pack(draft%material, draft%material > 0))%broken) .or. &
+         & any(deck%blocks(pack(draft%section, draft%section > 0))%broken))
       if (usable) call mesh(deck, index, draft, body, diagnostics)
       usable = usable .and. diagnostics%count == before
       cut = .false.

@@ -8,7 +8,9 @@
 module limber_monitor_modal_sudden
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
-   use limber_beam_force_recovery, only: internal_forces
+   use limber_base_error, only: error_type
+   use limber_beam_force_recovery, only: recovery_type, internal_forces
+   use limber_model_force_sections, only: recover_points
    use limber_monitor_function_fading, only: fading_type, fading_of, faded, late_part
    use limber_monitor_function_sudden, only: at_rest, at_start, before_break, behind_break, opposite, share
    use limber_model_quantities, only: quantity_force_x, quantity_force_y, quantity_force_1, quantity_force_2, quantity_moment
@@ -36,15 +38,18 @@ module limber_monitor_modal_sudden
       !> Whether it has coordinates along its axis; number of its vibration modes
       logical :: stretches = .false.
       integer :: modes = 0
-      !> What acts on it; joints whose reactions are asked for
+      !> What acts on it; joints whose reactions are asked for, whether forces or moments are; where channels ask for no section
+      !> forces, sections at these joints
       type(section_forces_type) :: effort
       integer, allocatable :: joints(:)
+      logical :: asked(2) = .false.
+      type(recovery_type), allocatable :: own
       !> How damping ends the vibration of each coordinate (n), and those behind the last one
       type(fading_type), allocatable :: fading(:)
       type(fading_type) :: fading_behind
       !> Relative error of the frequency of each coordinate: by the lumped masses; one of static functions (n)
       real(wp), allocatable :: error(:)
-      !> Force of each kind that a unit coordinate makes, of sections the largest, of joints by its inertia (kinds, n)
+      !> Force of each kind that a unit coordinate makes, the largest of all sections (3, n)
       real(wp), allocatable :: height(:, :)
       !> Largest amplitude of the vibration of each coordinate, and of what it is late by (n); least and greatest of what it would
       !> be at rest (2, n)
@@ -71,36 +76,23 @@ contains
       !> Relative errors of the first frequencies by the lumped masses; unallocated if they are not known
       real(wp), allocatable, intent(in) :: lumping(:)
       real(wp) :: ratio(system%layout%n(body))
-      integer :: i, n, sections
+      integer :: i, n
       call find_joints(self, system, body)
-      associate (recovery => system%model%bodies(body)%recovery, reduced => system%model%bodies(body)%reduced)
-         if (.not. allocated(recovery%load) .and. size(self%joints) == 0) return
-         self%body = body
+      if (allocated(system%model%bodies(body)%recovery%load)) then
+         call start_sections(self, system, body, system%model%bodies(body)%recovery)
+      else
+         call start_own(self, system, body)
+         if (.not. allocated(self%own)) return
+         call start_sections(self, system, body, self%own)
+      end if
+      associate (reduced => system%model%bodies(body)%reduced)
          self%modes = reduced%modes
          self%stretches = system%model%bodies(body)%is_frame .or. reduced%n > reduced%bending
          n = reduced%n
-         sections = 0
-         allocate (self%height(sudden_kinds, n))
-         self%height = 0.0_wp
-         if (allocated(recovery%load)) then
-            call start_effort(self%effort, system, body, recovery)
-            ! What geometric forces make is much the same on both sides of a jump
-            if (allocated(self%effort%geometric)) deallocate (self%effort%geometric)
-            sections = size(recovery%sections)
-            do i = 1, n
-               self%height(:of_sections, i) = maxval(abs(recovery%modal(:of_sections, i, :)), dim=2)
-            end do
-         end if
-         if (size(self%joints) > 0) then
-            self%height(4, :) = reduced%omega2*norm2(reduced%c, dim=1)
-            self%height(5, :) = reduced%omega2*abs(reduced%e)
-         end if
          allocate (self%most(n), self%late(n), self%error(n), source=0.0_wp)
          allocate (self%range(2, n), source=0.0_wp)
          if (allocated(lumping)) self%error(:size(lumping)) = abs(lumping)
          self%error(reduced%modes + 1:reduced%bending) = 1.0_wp
-         allocate (self%before(of_sections, sections), self%ringing(of_sections, sections), self%jump(of_sections, sections), &
-            & self%least(of_sections, sections), self%greatest(of_sections, sections), source=0.0_wp)
          ratio = 0.0_wp
          if (allocated(reduced%damping)) ratio = [(0.5_wp*reduced%damping(i, i)/sqrt(reduced%omega2(i)), i=1, n)]
          self%fading = fading_of(ratio, reduced%omega2)
@@ -108,6 +100,51 @@ contains
          if (n > 0) self%fading_behind = fading_of(minval(ratio(max(1, i - 1):i)), reduced%omega2(i))
       end associate
    end subroutine start_modal_sudden
+
+   !> Sections at the joints whose reactions are asked for, if there are any.
+   subroutine start_own(self, system, body)
+      type(modal_sudden_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: body
+      type(error_type), allocatable :: error
+      integer, allocatable :: points(:)
+      integer :: i, side
+      allocate (points(0))
+      do i = 1, size(self%joints)
+         associate (item => system%constraints(self%joints(i))%item)
+            do side = 1, 2
+               if (item%bodies(side) /= body .or. item%points(side) == 0) cycle
+               if (item%points(side) > size(system%model%points)) cycle
+               if (system%model%points(item%points(side))%member > 0) points = [points, item%points(side)]
+            end do
+         end associate
+      end do
+      if (size(points) == 0) return
+      allocate (self%own)
+      call recover_points(system%model, body, points, self%own, error)
+      if (allocated(error)) deallocate (self%own)
+   end subroutine start_own
+
+   !> Room for the sections.
+   subroutine start_sections(self, system, body, recovery)
+      type(modal_sudden_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: body
+      type(recovery_type), intent(in) :: recovery
+      integer :: i
+      self%body = body
+      call start_effort(self%effort, system, body, recovery)
+      ! What geometric forces make is much the same on both sides of a jump
+      if (allocated(self%effort%geometric)) deallocate (self%effort%geometric)
+      associate (sections => size(recovery%sections))
+         allocate (self%height(of_sections, recovery%n))
+         do i = 1, recovery%n
+            self%height(:, i) = maxval(abs(recovery%modal(:of_sections, i, :)), dim=2)
+         end do
+         allocate (self%before(of_sections, sections), self%ringing(of_sections, sections), self%jump(of_sections, sections), &
+            & self%least(of_sections, sections), self%greatest(of_sections, sections), source=0.0_wp)
+      end associate
+   end subroutine start_sections
 
    !> Joints of a body whose reactions channels ask for.
    pure subroutine find_joints(self, system, body)
@@ -123,8 +160,11 @@ contains
                associate (quantity => model%channels(i)%quantities(j))
                   if (quantity%of_load .or. quantity%of_coupler .or. all(quantity%kind /= kinds)) cycle
                   if (quantity%of > size(model%joints)) cycle
-                  if (any(self%joints == quantity%of)) cycle
-                  if (any(system%constraints(quantity%of)%item%bodies == body)) self%joints = [self%joints, quantity%of]
+                  if (.not. any(system%constraints(quantity%of)%item%bodies == body)) cycle
+                  if (quantity%kind /= quantity_moment) self%asked(1) = .true.
+                  ! That of a hinge is zero
+                  if (quantity%kind == quantity_moment .and. model%joints(quantity%of)%keeps_angle) self%asked(2) = .true.
+                  if (.not. any(self%joints == quantity%of)) self%joints = [self%joints, quantity%of]
                end associate
             end do
          end do
@@ -165,9 +205,12 @@ contains
             self%largest(4) = max(self%largest(4), norm2(joint_force(system, work, self%joints(i))))
             self%largest(5) = max(self%largest(5), abs(joint_moment(system, work, self%joints(i), q)))
          end do
-         if (size(self%jump) == 0) return
          call gather_modal(self%effort, system, work, self%body, q, v, a)
-         call take_sections(self, system, eta, left_out)
+         if (allocated(self%own)) then
+            call take_sections(self, self%own, eta, left_out)
+         else
+            call take_sections(self, system%model%bodies(self%body)%recovery, eta, left_out)
+         end if
       end associate
       select case (kind)
       case (at_start)
@@ -182,9 +225,9 @@ contains
    end subroutine observe_modal_sudden
 
    !> Section forces, and what the coordinates leave out of them.
-   subroutine take_sections(self, system, eta, left_out)
+   pure subroutine take_sections(self, recovery, eta, left_out)
       type(modal_sudden_type), intent(inout) :: self
-      type(system_type), intent(in) :: system
+      type(recovery_type), intent(in) :: recovery
       !> Coordinates (n); (3, sections)
       real(wp), intent(in) :: eta(:)
       real(wp), intent(out) :: left_out(:, :)
@@ -192,7 +235,7 @@ contains
       real(wp) :: none(size(eta))
       integer :: k
       none = 0.0_wp
-      associate (recovery => system%model%bodies(self%body)%recovery, effort => self%effort)
+      associate (effort => self%effort)
          do k = 1, size(left_out, 2)
             self%largest(:of_sections) = max(self%largest(:of_sections), abs(internal_forces(recovery, k, eta, effort%amplitude, &
                & effort%geometric, effort%lacking, .false.)))
@@ -238,14 +281,15 @@ contains
       integer :: k
       lost = 0.0_wp
       if (self%body == 0) return
-      do k = 1, sudden_kinds
-         if (k <= of_sections .and. size(self%jump) > 0) lost(k) = max(sqrt(maxval(self%jump(k, :))), &
-            & quickness(self, k)*maxval(self%greatest(k, :) - self%least(k, :)))
-         lost(k) = max(lost(k), trend(self, k))
+      do k = 1, of_sections
+         lost(k) = max(sqrt(maxval(self%jump(k, :))), quickness(self, k)*maxval(self%greatest(k, :) - self%least(k, :)), &
+            & trend(self, k))
          lost(k) = (1 + (together - 1)*self%fading_behind%overshoot)*lost(k) + dot_product(self%late, self%height(k, :))
-         lost(k) = lost(k)/max(self%largest(k), lost(k), tiny(1.0_wp))
       end do
       if (.not. self%stretches) lost(1) = 0.0_wp
+      if (self%asked(1)) lost(4) = maxval(lost(1:2))
+      if (self%asked(2)) lost(5) = lost(3)
+      lost = lost/max(self%largest, lost, tiny(1.0_wp))
    end function lost_forces
 
    !> How quickly loads change for the upper half of the modes: what vibrates by what would be there at rest, one at most.
@@ -295,9 +339,7 @@ contains
       whole%late = max(whole%late, part%late)
       whole%range(1, :) = min(whole%range(1, :), part%range(1, :))
       whole%range(2, :) = max(whole%range(2, :), part%range(2, :))
-      if (size(part%jump) > 0) then
-         if (maxval(part%jump) > maxval(whole%jump)) whole%when = part%when
-      end if
+      if (maxval(part%jump) > maxval(whole%jump)) whole%when = part%when
       whole%jump = max(whole%jump, part%jump)
       whole%least = min(whole%least, part%least)
       whole%greatest = max(whole%greatest, part%greatest)
@@ -321,7 +363,7 @@ contains
       call snapshot%exchange('begun', self%begun)
       call snapshot%exchange('jumped', self%jumped)
       call snapshot%exchange('when', self%when)
-      ! Not saved: stretches, modes, effort, joints, fading, fading_behind, error, height
+      ! Not saved: stretches, modes, effort, joints, asked, own, fading, fading_behind, error, height
    end subroutine exchange_modal_sudden
 
 end module limber_monitor_modal_sudden

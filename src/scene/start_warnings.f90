@@ -27,8 +27,7 @@ contains
       integer, parameter :: enough = 3
       !> By the support, and by joints: displacement along and across, and rotation, of the start and of the end
       logical :: held(3, 2), joined(3, 2)
-      integer :: i, block
-      character(:), allocatable :: name
+      integer :: i
       do i = 1, size(scene%system%model%bodies)
          associate (body => scene%system%model%bodies(i))
             if (scene%system%layout%n(i) == 0 .or. body%is_frame .or. body%reduced%is_exact) cycle
@@ -38,17 +37,28 @@ contains
             end associate
             if (count(held) <= enough) cycle
             call find_joined(scene%system, i, joined)
-            if (.not. any(held .and. .not. joined)) cycle
-            name = name_in_deck(scene%system%model, i)
-            block = scene%deck%find_named('BEAM', name)
-            if (block == 0) cycle
-            call diagnostics%warn(scene%deck%blocks(block)%origin_of('SUPPORT'), 'SUPPORT='// &
-               & scene%deck%blocks(block)%word('SUPPORT')//" holds "//held_text(held .and. .not. joined)//" of beam '"//name// &
-               & "' in its frame, and no joint does: it cannot move there as it would", &
-               & 'use SUPPORT=PINNED-ROLLER or CLAMPED-FREE with CORRECTIONS=YES, or GEOMETRIC=EXACT')
+            if (any(held .and. .not. joined)) call warn_of_support(scene, i, held_text(held .and. .not. joined), diagnostics)
          end associate
       end do
    end subroutine warn_of_supports
+
+   !> Warns of one of them.
+   subroutine warn_of_support(scene, body, what, diagnostics)
+      type(scene_type), intent(in) :: scene
+      !> Its index
+      integer, intent(in) :: body
+      !> What no joint holds
+      character(*), intent(in) :: what
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: block
+      block = scene%deck%find_named('BEAM', name_in_deck(scene%system%model, body))
+      if (block == 0) return
+      associate (beam => scene%deck%blocks(block))
+         call diagnostics%warn(beam%origin_of('SUPPORT'), 'SUPPORT='//beam%word('SUPPORT')//' holds '//what//" of beam '"// &
+            & beam%name()//"' in its frame, and no joint does: it cannot move there as it would", &
+            & 'use SUPPORT=PINNED-ROLLER or CLAMPED-FREE with CORRECTIONS=YES, or GEOMETRIC=EXACT')
+      end associate
+   end subroutine warn_of_support
 
    !> What joints hold of the ends of a beam; all if anything acts on its frame.
    pure subroutine find_joined(system, body, joined)
@@ -89,7 +99,7 @@ contains
       !> Displacement along and across, rotation, of the start and of the end
       logical, intent(in) :: held(3, 2)
       character(:), allocatable :: text
-      character(*), parameter :: what(3) = [character(27) :: 'the displacement along', 'the deflection', 'the rotation'], &
+      character(*), parameter :: what(3) = [character(27) :: 'the axial displacement', 'the deflection', 'the rotation'], &
          & where(2) = [character(5) :: 'start', 'end']
       integer :: i, k
       text = ''

@@ -15,6 +15,7 @@ program test_told
    character(*), parameter :: nl = newline
    character(256) :: results
    character(:), allocatable :: report
+   type(error_type), allocatable :: failure
 
    call get_command_argument(1, results)
    call check_means()
@@ -40,6 +41,7 @@ program test_told
    call check_massless()
    call check_damped()
    call check_sudden()
+   call check_fast()
    call finish()
 
 contains
@@ -443,6 +445,67 @@ contains
          call check(told > 0.7_wp*err .and. told < 2.5_wp*err, 'sudden '//models(i)//': '//report)
       end do
    end subroutine check_sudden
+
+   !> Loads that a switch turns on, that grow quickly, or come by a contact; reactions alone; and a support that no joint holds.
+   !> Errors of moments and reactions against mode sums and exact beams: 5, 23 and 7 % of the moment, 20 % of the force.
+   subroutine check_fast()
+      character(*), parameter :: arm = '*MATERIAL, NAME=m, YOUNG=2.1e11, DENSITY=7850'//nl// &
+         & '*SECTION, NAME=s, SHAPE=RECTANGLE, WIDTH=0.05, HEIGHT=0.005'//nl//'*BEAM, NAME=b, MATERIAL=m, SECTION=s, LENGTH=1'
+      character(*), parameter :: modes = ', SUPPORT=CLAMPED-FREE, GEOMETRIC=K_G, ELEMENTS=60, AXIAL MODES=1, BENDING MODES='
+      character(*), parameter :: weld = nl//'*JOINT, NAME=w, TYPE=WELD, TURN=0'//nl//' b.start, ground.origin'//nl
+      character(*), parameter :: moment = '*OUTPUT'//nl//' m0=bending_moment(b.start)'//nl
+      character(*), parameter :: struck = '*FORCE, NAME=f, POINT=b.end'//nl//' 0, 2'//nl//'*DYNAMICS, END=.15, OUTPUTS=500'//nl
+      call tell('a switch', arm//modes//'2'//weld//'*SWITCH, NAME=q, STATE=OFF'//nl//'*FORCE, NAME=f, POINT=b.end, ACTIVE=q'// &
+         & nl//' 0, -2'//nl//'*EVENT, NAME=e, DIRECTION=UP, ACTION=SWITCH, SWITCH=q'//nl//' t-0.02'//nl// &
+         & '*DYNAMICS, END=.15, OUTPUTS=500'//nl//moment, 'bending moments', 0.05_wp)
+      call tell('a fast torque', arm//modes//'2'//nl//'*RIGID BODY, NAME=hub, MASS=1, INERTIA=0.02'//nl// &
+         & '*JOINT, NAME=h, TYPE=REVOLUTE'//nl//' hub.origin, ground.origin'//nl//'*JOINT, NAME=w, TYPE=WELD, TURN=0'//nl// &
+         & ' b.start, hub.origin'//nl//'*TORQUE, NAME=f, BODY=hub'//nl// &
+         & ' 0.5*smoothstep(t/0.004)*(1-2*smoothstep((t-0.03)/0.004))'//nl//'*DYNAMICS, END=.06, OUTPUTS=600'//nl//moment, &
+         & 'bending moments', 0.23_wp)
+      call tell('a contact', arm//modes//'4'//weld//'*GROUND'//nl//' x1, 1, 0'//nl// &
+         & '*POINT MASS, NAME=ball, MASS=0.2, X=1, Y=0.01, VY=-1'//nl//'*JOINT, NAME=gd, TYPE=POINT ON LINE, ANGLE=90 deg'//nl// &
+         & ' ball, ground.x1'//nl//'*STOP, NAME=st, AXIS=90 deg, LEAST=0, STIFFNESS=2e4'//nl//' ball, b.end'//nl// &
+         & '*DYNAMICS, END=0.06, OUTPUTS=500, TOLERANCE=1e-8, INTEGRATOR=ADAMS'//nl//moment, 'bending moments', 0.07_wp)
+      call tell('reactions alone', arm//modes//'6'//weld//struck//'*OUTPUT'//nl//' force_y(w)'//nl, 'forces of joints', 0.2_wp)
+      call tell('reactions of an exact beam', arm//weld//struck//'*OUTPUT'//nl//' x(b.end)'//nl, 'forces of joints', 0.0_wp)
+      call tell('places alone', arm//modes//'6'//weld//struck//'*OUTPUT'//nl//' x(b.end)'//nl, 'forces of joints', 0.0_wp)
+      call run_text(arm//', SUPPORT=CLAMPED-ROLLER, GEOMETRIC=K_G, BENDING MODES=4, AXIAL MODES=1'//weld// &
+         & '*FORCE, NAME=f, POINT=b.end'//nl//' 0, 5'//nl//'*STATICS'//nl//'*OUTPUT'//nl//' y(b.end)'//nl, trim(results), report, &
+         & error=failure)
+      call check_no_error(failure, 'a support')
+      call check(index(report, "SUPPORT=CLAMPED-ROLLER holds the deflection at the end of beam 'b'") > 0, 'a support: '//report)
+   end subroutine check_fast
+
+   !> Runs a scene, whose error of a kind of force is known, or which has none to be told.
+   subroutine tell(name, scene, kind, err)
+      character(*), intent(in) :: name, scene, kind
+      real(wp), intent(in) :: err
+      type(error_type), allocatable :: error
+      real(wp) :: part
+      integer :: from, to
+      call run_text(scene, trim(results), report, error)
+      call check_no_error(error, name)
+      part = 0.0_wp
+      from = index(report, 'as its coordinates do not')
+      if (from > 0) to = index(report(from:), kind)
+      if (from > 0 .and. err > 0.0_wp) then
+         if (to > 0) then
+            from = from + to - 1
+            part = 0.5_wp
+            to = index(report(from:), 'about ')
+            if (to > 0 .and. to < len(kind) + 12) then
+               from = from + to + len('about ') - 2
+               to = from - 2 + index(report(from:), '%')
+               read (report(from:to), *) part
+               part = part/100
+            end if
+         end if
+      end if
+      print '(2a,2f8.4)', 'fast: ', name, err, part
+      if (err > 0.0_wp) call check(part > 0.7_wp*err .and. part < 3*err, name//': '//report)
+      if (.not. err > 0.0_wp) call check(index(report, 'as its coordinates do not') == 0, name//': '//report)
+   end subroutine tell
 
    !> Moment at the wall of that cantilever.
    pure function struck_wall(time) result(moment)

@@ -40,7 +40,7 @@ contains
       type(draft_type) :: draft
       type(body_type), allocatable :: body
       type(error_type), allocatable :: error
-      logical :: usable, cut
+      logical :: usable, sound, cut
       integer :: before, added
       before = diagnostics%count
       allocate (body)
@@ -49,13 +49,14 @@ contains
       call read_draft(deck, index, draft, diagnostics)
       call settle_options(deck, index, draft)
       usable = diagnostics%count == before
-      ! An error of a material or section is told there
-      if (usable) usable = .not. (any(deck%blocks(pack(draft%material, draft%material > 0))%broken) .or. &
-         & any(deck%blocks(pack(draft%section, draft%section > 0))%broken))
       if (usable) call mesh(deck, index, draft, body, diagnostics)
       usable = usable .and. diagnostics%count == before
       cut = .false.
-      if (usable .and. deck%blocks(index)%word('GEOMETRIC') /= 'RIGID') then
+      ! An error of a material or section is told there
+      sound = usable
+      if (usable) sound = .not. (any(deck%blocks(pack(draft%material, draft%material > 0))%broken) .or. &
+         & any(deck%blocks(pack(draft%section, draft%section > 0))%broken))
+      if (sound .and. deck%blocks(index)%word('GEOMETRIC') /= 'RIGID') then
          call reduce_frame(body%mesh, body%frame_choice, body%reduced, body%shape, error, body%note, cut, body%lost)
          ! Without a number in the deck, all modes of equal frequency are kept
          if (cut .and. .not. (deck%blocks(index)%given('MODES') .or. deck%blocks(index)%given('FREQUENCY LIMIT'))) then

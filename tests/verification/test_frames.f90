@@ -413,10 +413,11 @@ contains
          & '*OUTPUT'//nl//' x(f.b), y(f.b), x(f.c), y(f.c), x(f.d), y(f.d), force_x(j), force_y(j)'//nl, reader, warnings)
       call reader%close()
       call check(warnings == '', 'a portal on a spring: '//warnings)
-      call run_scene(steel//'*NODE'//nl//' 1, 0, 0, a'//nl//' 2, 0.8, 0, b'//nl//' 3, 0.3, 1.7, c'//nl//'*ELEMENT'//nl// &
+      call run_scene(plastic//'*FRAME, NAME=f, MATERIAL=st, SECTION=s'//nl//'*NODE'//nl//' 1, 0, 0, a'//nl//' 2, 0.8, 0, b'// &
+         & nl//' 3, 0.3, 1.7, c'//nl//'*ELEMENT'//nl// &
          & ' 1, 1, 2'//nl//' 2, 2, 3'//nl//' 3, 3, 1'//nl//'*GROUND'//nl//' b, 0.8, 0'//nl//'*JOINT, NAME=j1, TYPE=REVOLUTE'// &
          & nl//' f.a, ground.origin'//nl//'*JOINT, NAME=j2, TYPE=REVOLUTE'//nl//' f.b, ground.b'//nl// &
-         & '*TORQUE, NAME=t, POINT=f.c'//nl//' 500'//nl//'*STATICS, INCREMENTS=1'//nl//'*OUTPUT'//nl//' y(f.c)'//nl, reader, &
+         & '*TORQUE, NAME=t, POINT=f.c'//nl//' 5'//nl//'*STATICS, INCREMENTS=1'//nl//'*OUTPUT'//nl//' y(f.c)'//nl, reader, &
          & warnings)
       call reader%close()
       call check(index(warnings, 'y(f.c) errs by') > 0, 'a triangle: '//warnings)

@@ -455,21 +455,22 @@ contains
       character(*), parameter :: weld = nl//'*JOINT, NAME=w, TYPE=WELD, TURN=0'//nl//' b.start, ground.origin'//nl
       character(*), parameter :: moment = '*OUTPUT'//nl//' m0=bending_moment(b.start)'//nl
       character(*), parameter :: struck = '*FORCE, NAME=f, POINT=b.end'//nl//' 0, 2'//nl//'*DYNAMICS, END=.15, OUTPUTS=500'//nl
-      call tell('a switch', arm//modes//'2'//weld//'*SWITCH, NAME=q, STATE=OFF'//nl//'*FORCE, NAME=f, POINT=b.end, ACTIVE=q'// &
-         & nl//' 0, -2'//nl//'*EVENT, NAME=e, DIRECTION=UP, ACTION=SWITCH, SWITCH=q'//nl//' t-0.02'//nl// &
+      call tell_part('a switch', arm//modes//'2'//weld//'*SWITCH, NAME=q, STATE=OFF'//nl// &
+         & '*FORCE, NAME=f, POINT=b.end, ACTIVE=q'//nl//' 0, -2'//nl// &
+         & '*EVENT, NAME=e, DIRECTION=UP, ACTION=SWITCH, SWITCH=q'//nl//' t-0.02'//nl// &
          & '*DYNAMICS, END=.15, OUTPUTS=500'//nl//moment, 'bending moments', 0.05_wp)
-      call tell('a fast torque', arm//modes//'2'//nl//'*RIGID BODY, NAME=hub, MASS=1, INERTIA=0.02'//nl// &
+      call tell_part('a fast torque', arm//modes//'2'//nl//'*RIGID BODY, NAME=hub, MASS=1, INERTIA=0.02'//nl// &
          & '*JOINT, NAME=h, TYPE=REVOLUTE'//nl//' hub.origin, ground.origin'//nl//'*JOINT, NAME=w, TYPE=WELD, TURN=0'//nl// &
          & ' b.start, hub.origin'//nl//'*TORQUE, NAME=f, BODY=hub'//nl// &
          & ' 0.5*smoothstep(t/0.004)*(1-2*smoothstep((t-0.03)/0.004))'//nl//'*DYNAMICS, END=.06, OUTPUTS=600'//nl//moment, &
          & 'bending moments', 0.23_wp)
-      call tell('a contact', arm//modes//'4'//weld//'*GROUND'//nl//' x1, 1, 0'//nl// &
+      call tell_part('a contact', arm//modes//'4'//weld//'*GROUND'//nl//' x1, 1, 0'//nl// &
          & '*POINT MASS, NAME=ball, MASS=0.2, X=1, Y=0.01, VY=-1'//nl//'*JOINT, NAME=gd, TYPE=POINT ON LINE, ANGLE=90 deg'//nl// &
          & ' ball, ground.x1'//nl//'*STOP, NAME=st, AXIS=90 deg, LEAST=0, STIFFNESS=2e4'//nl//' ball, b.end'//nl// &
          & '*DYNAMICS, END=0.06, OUTPUTS=500, TOLERANCE=1e-8, INTEGRATOR=ADAMS'//nl//moment, 'bending moments', 0.07_wp)
-      call tell('reactions alone', arm//modes//'6'//weld//struck//'*OUTPUT'//nl//' force_y(w)'//nl, 'forces of joints', 0.2_wp)
-      call tell('reactions of an exact beam', arm//weld//struck//'*OUTPUT'//nl//' x(b.end)'//nl, 'forces of joints', 0.0_wp)
-      call tell('places alone', arm//modes//'6'//weld//struck//'*OUTPUT'//nl//' x(b.end)'//nl, 'forces of joints', 0.0_wp)
+      call tell_part('reactions alone', arm//modes//'6'//weld//struck//'*OUTPUT'//nl//' force_y(w)'//nl, 'forces of joints', 0.2_wp)
+      call tell_part('reactions of an exact beam', arm//weld//struck//'*OUTPUT'//nl//' x(b.end)'//nl, 'forces of joints', 0.0_wp)
+      call tell_part('places alone', arm//modes//'6'//weld//struck//'*OUTPUT'//nl//' x(b.end)'//nl, 'forces of joints', 0.0_wp)
       call run_text(arm//', SUPPORT=CLAMPED-ROLLER, GEOMETRIC=K_G, BENDING MODES=4, AXIAL MODES=1'//weld// &
          & '*FORCE, NAME=f, POINT=b.end'//nl//' 0, 5'//nl//'*STATICS'//nl//'*OUTPUT'//nl//' y(b.end)'//nl, trim(results), report, &
          & error=failure)
@@ -478,7 +479,7 @@ contains
    end subroutine check_fast
 
    !> Runs a scene, whose error of a kind of force is known, or which has none to be told.
-   subroutine tell(name, scene, kind, err)
+   subroutine tell_part(name, scene, kind, err)
       character(*), intent(in) :: name, scene, kind
       real(wp), intent(in) :: err
       type(error_type), allocatable :: error
@@ -505,7 +506,7 @@ contains
       print '(2a,2f8.4)', 'fast: ', name, err, part
       if (err > 0.0_wp) call check(part > 0.7_wp*err .and. part < 3*err, name//': '//report)
       if (.not. err > 0.0_wp) call check(index(report, 'as its coordinates do not') == 0, name//': '//report)
-   end subroutine tell
+   end subroutine tell_part
 
    !> Moment at the wall of that cantilever.
    pure function struck_wall(time) result(moment)

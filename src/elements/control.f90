@@ -158,14 +158,15 @@ contains
    subroutine check_options(block, diagnostics)
       type(block_type), intent(in) :: block
       type(diagnostics_type), intent(inout) :: diagnostics
-      character(:), allocatable :: kind, option
+      character(:), allocatable :: kind
       integer :: i
       kind = block%word('TYPE')
       do i = 1, size(allowed)
-         option = trim(allowed(i)%option)
-         if (.not. block%given(option) .or. index('|'//trim(allowed(i)%types)//'|', '|'//kind//'|') > 0) cycle
-         call diagnostics%add(block%origin_of(option), option//' is not of controls of TYPE='//kind, &
-            & 'it is of '//listed(trim(allowed(i)%types)))
+         associate (option => trim(allowed(i)%option))
+            if (.not. block%given(option) .or. index('|'//trim(allowed(i)%types)//'|', '|'//kind//'|') > 0) cycle
+            call diagnostics%add(block%origin_of(option), option//' is not of controls of TYPE='//kind, &
+               & 'it is of '//listed(trim(allowed(i)%types)))
+         end associate
       end do
       if (kind == 'LAG' .or. kind == 'RATE LIMIT') call need('TIME CONSTANT')
       if (kind == 'SECOND ORDER') call need('FREQUENCY')

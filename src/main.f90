@@ -61,8 +61,9 @@ program limber
    call add_fault(error)
    if (allocated(error)) then
       ! What is wrong of what was computed up to there
-      report = warnings_of(report)
-      if (len(report) > 0) write (output_unit, '(a)') report
+      if (.not. allocated(report)) report = ''
+      if (report /= '') report = warnings_of(report)
+      if (report /= '') write (output_unit, '(a)') report
       write (error_unit, '(a)') error%message
       flush (output_unit)
       call leave(error%status)

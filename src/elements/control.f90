@@ -162,11 +162,7 @@ contains
       integer :: i
       kind = block%word('TYPE')
       do i = 1, size(allowed)
-         associate (option => trim(allowed(i)%option))
-            if (.not. block%given(option) .or. index('|'//trim(allowed(i)%types)//'|', '|'//kind//'|') > 0) cycle
-            call diagnostics%add(block%origin_of(option), option//' is not of controls of TYPE='//kind, &
-               & 'it is of '//listed(trim(allowed(i)%types)))
-         end associate
+         call check_option(trim(allowed(i)%option), trim(allowed(i)%types))
       end do
       if (kind == 'LAG' .or. kind == 'RATE LIMIT') call need('TIME CONSTANT')
       if (kind == 'SECOND ORDER') call need('FREQUENCY')
@@ -199,6 +195,14 @@ contains
       if (kind == 'PID') call check_pid(block, diagnostics)
 
    contains
+
+      !> Reports an option that the type does not have.
+      subroutine check_option(option, types)
+         !> Its name, and the types that have it, with bars between
+         character(*), intent(in) :: option, types
+         if (.not. block%given(option) .or. index('|'//types//'|', '|'//kind//'|') > 0) return
+         call diagnostics%add(block%origin_of(option), option//' is not of controls of TYPE='//kind, 'it is of '//listed(types))
+      end subroutine check_option
 
       !> Reports a missing option.
       subroutine need(option)

@@ -20,7 +20,7 @@ module limber_monitor_drawing_in
    !> A displacement or coordinate of a point that a channel asks for
    type :: drawn_channel_type
       !> The channel as a deck has it: u1(frame.point)
-      character(:), allocatable :: name
+      character(100) :: name = ''
       !> Index of the point, its member, its coordinate along that [length] and its place in the frame [length]
       integer :: point = 0, member = 1
       real(wp) :: along = 0.0_wp, place(2) = 0.0_wp

@@ -169,7 +169,7 @@ contains
       if (body == ground) return
       if (self%surveys%of(body) == 0 .or. self%of(body) == 0) return
       associate (own => self%bodies(self%of(body)), at => system%model%points(point))
-         channel = drawn_channel_type(name=trim(quantities(kind)%name)//'('//at%name//')', point=point, &
+         channel = drawn_channel_type(name=trim(quantities(kind)%name)//'('//trim(at%name)//')', point=point, &
             & member=max(1, at%member), along=at%along, place=at%p0, &
             & axis=merge(1, 2, any(kind == [quantity_u1, quantity_x])), in_space=any(kind == [quantity_x, quantity_y]))
          own%drawing_in%asked = [own%drawing_in%asked, channel]

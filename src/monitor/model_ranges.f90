@@ -260,7 +260,7 @@ contains
          if (body%reduced%geometric) text = text//', and by many times as much where these feed axial vibrations'
       case (indicator_drawn)
          text = 'displacements along it (u1) err by '//percent//' of the largest'
-         if (body%is_frame) text = indicators%drawing_in%asked(maxloc(drawn_parts(indicators), dim=1))%name//' errs by '// &
+         if (body%is_frame) text = trim(indicators%drawing_in%asked(maxloc(drawn_parts(indicators), dim=1))%name)//' errs by '// &
             & percent//' of its largest change'
          text = 'is drawn in by its bending, which '//fidelity(body)//' leaves out: '//text//when
       case (indicator_buckling)

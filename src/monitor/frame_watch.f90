@@ -225,8 +225,9 @@ contains
                if (channel%in_space) then
                   position = point_position(system%model, system%layout, point, q)
                   lacking = merge(u(1)*part(1) - u(2)*part(2), u(2)*part(1) + u(1)*part(2), channel%axis == 1)
-                  if (.not. self%looks > 1) self%drawn_from(i) = position(channel%axis)
-                  shown = position(channel%axis) - self%drawn_from(i)
+                  if (.not. self%looks > 1) self%drawn_from(:, i) = [position(channel%axis), lacking]
+                  shown = position(channel%axis) - self%drawn_from(1, i)
+                  lacking = lacking - self%drawn_from(2, i)
                else
                   shown = dot_product(point%phi(channel%axis, :), eta)
                end if

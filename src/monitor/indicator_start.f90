@@ -174,7 +174,7 @@ contains
             & axis=merge(1, 2, any(kind == [quantity_u1, quantity_x])), in_space=any(kind == [quantity_x, quantity_y]))
          own%drawing_in%asked = [own%drawing_in%asked, channel]
          deallocate (own%drawn, own%drawn_from)
-         allocate (own%drawn(2, size(own%drawing_in%asked)), own%drawn_from(size(own%drawing_in%asked)))
+         allocate (own%drawn(2, size(own%drawing_in%asked)), own%drawn_from(2, size(own%drawing_in%asked)))
          own%drawn = 0.0_wp
          own%drawn_from = 0.0_wp
       end associate
@@ -321,7 +321,7 @@ contains
          body%lumping(survey%chosen) = survey%lumping
          body%bending = pack(survey%chosen, [(survey%bending(k, k) > 0.5_wp*survey%omega2(k), k=1, m)])
          call find_carried(self, system, contacts, body)
-         allocate (body%drawing_in%asked(0), body%drawn(2, 0), body%drawn_from(0))
+         allocate (body%drawing_in%asked(0), body%drawn(2, 0), body%drawn_from(2, 0))
          body%layer = max(1, size(body%bending))/real(size(survey%mesh%first) - 1, wp)
       end associate
    end subroutine start_frame

@@ -152,9 +152,9 @@ module limber_monitor_indicators
       type(membrane_type) :: membrane
       !> Of a frame: inertia of the shortening of its members, and the displacements by that; of a beam only its axial force
       type(drawing_in_type) :: drawing_in
-      !> Of each of these displacements: the largest that is lacking, and the largest (2, channels) [length]; of a coordinate in
-      !> space its first value (channels) [length]
-      real(wp), allocatable :: drawn(:, :), drawn_from(:)
+      !> Of each of these displacements: the largest that is lacking, and the largest; of a coordinate in space its first value, and
+      !> what it lacks there (2, channels) [length]
+      real(wp), allocatable :: drawn(:, :), drawn_from(:, :)
       !> Scratch: slopes and axial forces at the stations, amplitudes along and across, and of the bending coordinates,
       !> forces on these
       real(wp), allocatable :: slope(:), force(:), along(:), across(:), own(:), push(:, :)
@@ -339,12 +339,12 @@ contains
    pure function drawn_parts(self) result(parts)
       type(body_indicators_type), intent(in) :: self
       real(wp) :: parts(size(self%drawn, 2))
-      !> Parts of the size of the frame that displacements and coordinates may lack
-      real(wp), parameter :: least(2) = [1.0e-7_wp, 1.0e-6_wp]
+      !> Part of the size of the frame below which a displacement is none
+      real(wp), parameter :: least = 1.0e-9_wp
       integer :: i
       parts = 0.0_wp
       do i = 1, size(parts)
-         if (self%drawn(1, i) > self%length*least(merge(2, 1, self%drawing_in%asked(i)%in_space))) &
+         if (self%drawn(1, i) > self%length*least) &
             & parts(i) = ratio(self%drawn(1, i), self%drawn(2, i))
       end do
    end function drawn_parts

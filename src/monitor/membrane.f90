@@ -37,7 +37,7 @@ module limber_monitor_membrane
    end type membrane_type
 
    !> Part of the largest eigenvalue below which equations depend on each other
-   real(wp), parameter :: dependent = 1.0e-11_wp
+   real(wp), parameter :: dependent = 1.0e-8_wp
 
 contains
 
@@ -66,7 +66,7 @@ contains
             self%load(:, :, i) = merge(self%load(:, :, i), 0.0_wp, mesh%free)
             call solve_static(mesh, survey%solver, self%load(:, :, i), self%response(:, :, i))
          end do
-         call invert(self, rows, rigid(:, :rows))
+         call invert(self, rows, rigid(:, :rows), maxval(maxval(mesh%place, dim=2) - minval(mesh%place, dim=2)))
          if (.not. self%redundant) return
          allocate (self%force(size(mesh%member)), self%strain(size(mesh%member)), self%push(0:size(survey%chosen)))
          allocate (self%bent(3, size(mesh%place, 2)), self%u(3, size(mesh%place, 2)), self%nodal(3, size(mesh%place, 2)))
@@ -170,11 +170,13 @@ contains
 
    !> Inverse of the equations of the joints' forces and of the motion of the body, eq. (7.42); equations that depend on others
    !> take no part.
-   subroutine invert(self, rows, rigid)
+   subroutine invert(self, rows, rigid, extent)
       type(membrane_type), intent(inout) :: self
       integer, intent(in) :: rows
-      !> (motions, rows)
-      real(wp), intent(in) :: rigid(:, :)
+      !> (motions, rows), size of the frame [length]
+      real(wp), intent(in) :: rigid(:, :), extent
+      !> Arm of a joint about the origin that is none, in parts of the size: its place is that of a bent frame
+      real(wp), parameter :: no_arm = 1.0e-3_wp
       real(wp), dimension(rows + size(rigid, 1)) :: scale, value
       real(wp) :: matrix(size(scale), size(scale)), room(8*size(scale)), size_of
       integer :: i, j, n, info
@@ -194,6 +196,9 @@ contains
       do j = rows + 1, n
          size_of = norm2(scale(:rows)*matrix(:rows, j))
          if (size_of > 0.0_wp) scale(j) = 1/size_of
+         ! Joints at the origin leave the rotation free
+         if (j == rows + 3 .and. .not. size_of > no_arm*extent*max(norm2(scale(:rows)*matrix(:rows, rows + 1)), &
+            & norm2(scale(:rows)*matrix(:rows, rows + 2)))) scale(j) = 0.0_wp
       end do
       do j = 1, n
          matrix(:, j) = scale*matrix(:, j)*scale(j)

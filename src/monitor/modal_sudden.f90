@@ -13,7 +13,8 @@ module limber_monitor_modal_sudden
    use limber_model_force_sections, only: recover_points
    use limber_monitor_function_fading, only: fading_type, fading_of, faded, late_part
    use limber_monitor_function_sudden, only: at_rest, at_start, before_break, behind_break, opposite, share
-   use limber_model_quantities, only: quantity_force_x, quantity_force_y, quantity_force_1, quantity_force_2, quantity_moment
+   use limber_model_quantities, only: quantity_force_x, quantity_force_y, quantity_force_1, quantity_force_2, quantity_moment, &
+      & quantity_force, quantity_torque, quantity_tension
    use limber_multibody_system, only: system_type, workspace_type
    use limber_output_internal_forces, only: section_forces_type, start_effort, gather_modal
    use limber_output_joint_forces, only: joint_force, joint_moment
@@ -146,29 +147,38 @@ contains
       end associate
    end subroutine start_sections
 
-   !> Joints of a body whose reactions channels ask for.
+   !> Joints of a body, if channels ask for what they pass on: reactions of these or other joints, what drivers exert, and forces of
+   !> loads on the body.
    pure subroutine find_joints(self, system, body)
       type(modal_sudden_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       integer, intent(in) :: body
-      integer, parameter :: kinds(*) = [quantity_force_x, quantity_force_y, quantity_force_1, quantity_force_2, quantity_moment]
+      integer, parameter :: kinds(*) = [quantity_force_x, quantity_force_y, quantity_force_1, quantity_force_2, quantity_moment, &
+         & quantity_force, quantity_torque, quantity_tension]
       integer :: i, j
-      allocate (self%joints(0))
+      self%asked = .false.
       associate (model => system%model)
          do i = 1, size(model%channels)
             do j = 1, size(model%channels(i)%quantities)
                associate (quantity => model%channels(i)%quantities(j))
-                  if (quantity%of_load .or. quantity%of_coupler .or. all(quantity%kind /= kinds)) cycle
-                  if (quantity%of > size(model%joints)) cycle
-                  if (.not. any(system%constraints(quantity%of)%item%bodies == body)) cycle
-                  if (quantity%kind /= quantity_moment) self%asked(1) = .true.
-                  ! That of a hinge is zero
-                  if (quantity%kind == quantity_moment .and. model%joints(quantity%of)%keeps_angle) self%asked(2) = .true.
-                  if (.not. any(self%joints == quantity%of)) self%joints = [self%joints, quantity%of]
+                  if (all(quantity%kind /= kinds)) cycle
+                  if (quantity%of_load) then
+                     if (any(system%loads(quantity%of)%item%bodies == body)) self%asked(1) = .true.
+                  else if (quantity%kind /= quantity_moment .and. quantity%kind /= quantity_torque) then
+                     self%asked(1) = .true.
+                  else if (quantity%kind == quantity_torque .or. quantity%of > size(model%joints)) then
+                     self%asked(2) = .true.
+                  else if (model%joints(quantity%of)%keeps_angle) then
+                     ! That of a hinge is zero
+                     self%asked(2) = .true.
+                  end if
                end associate
             end do
          end do
+         self%joints = pack([(i, i=1, size(model%joints))], [(any(system%constraints(i)%item%bodies == body), &
+            & i=1, size(model%joints))])
       end associate
+      if (.not. any(self%asked)) self%joints = self%joints(:0)
    end subroutine find_joints
 
    !> Takes in a state. Kinematics are placed and moved there; Jacobians and multipliers are those of the state.
@@ -292,14 +302,14 @@ contains
       lost = lost/max(self%largest, lost, tiny(1.0_wp))
    end function lost_forces
 
-   !> How quickly loads change for the upper half of the modes: what vibrates by what would be there at rest, one at most.
+   !> How quickly loads change for the last two modes: what vibrates by what would be there at rest, one at most.
    pure real(wp) function quickness(self, kind) result(part)
       type(modal_sudden_type), intent(in) :: self
       integer, intent(in) :: kind
       real(wp) :: vibrating, still
       integer :: j, n
       n = merge(self%modes, size(self%most), self%modes > 0)
-      j = (n + 1)/2
+      j = max(1, n - 1)
       vibrating = dot_product(self%most(j:n), self%height(kind, j:n))
       still = dot_product(self%range(2, j:n) - self%range(1, j:n), self%height(kind, j:n))
       part = min(1.0_wp, vibrating/max(still, vibrating, tiny(1.0_wp)))

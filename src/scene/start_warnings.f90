@@ -9,6 +9,7 @@ module limber_scene_start_warnings
    use limber_deck_origin, only: origin_type
    use limber_model_beam_segments, only: name_in_deck
    use limber_model_model, only: along_distance, ground, place_at_point
+   use limber_monitor_body_surveys, only: is_base
    use limber_multibody_point_motion, only: point_position
    use limber_multibody_redundant_constraints, only: group_names, constraint_names
    use limber_multibody_system, only: system_type
@@ -60,7 +61,8 @@ contains
       end associate
    end subroutine warn_of_support
 
-   !> What joints hold of the ends of a beam; all if anything acts on its frame.
+   !> What joints with the ground, or with rigid bodies of known motion, hold of the ends of a beam; all if anything acts on its
+   !> frame.
    pure subroutine find_joined(system, body, joined)
       type(system_type), intent(in) :: system
       integer, intent(in) :: body
@@ -75,10 +77,13 @@ contains
          associate (item => system%constraints(i)%item)
             do side = 1, 2
                if (item%bodies(side) /= body) cycle
-               if (item%points(side) == 0 .or. i > size(system%model%joints)) then
+               if (item%points(side) == 0) then
                   joined = .true.
                   return
                end if
+               ! What moves freely, or does not act, holds nothing
+               if (item%rows == 0 .or. .not. is_base(system, item%bodies(3 - side))) cycle
+               if (i > size(system%model%joints)) cycle
                associate (own => system%model%bodies(body), joint => system%model%joints(i))
                   x = (system%model%points(item%points(side))%p0(1) + own%choice%origin)/own%beam%length
                   at = 0

@@ -400,7 +400,8 @@ contains
    end subroutine check_places
 
    !> A portal on a hinge and a spring under a smooth couple is right to 6e-4 (exact members), and nothing is told of it: monitors
-   !> take all its coordinates together. A triangle of members is told what its bending draws in.
+   !> take all its coordinates together. Nor of a pendulum, whose hinge leaves its rotation free, nor of a frame at rest. A triangle
+   !> of members is told what its bending draws in.
    subroutine check_quiet()
       type(history_reader_type) :: reader
       character(:), allocatable :: warnings
@@ -413,6 +414,17 @@ contains
          & '*OUTPUT'//nl//' x(f.b), y(f.b), x(f.c), y(f.c), x(f.d), y(f.d), force_x(j), force_y(j)'//nl, reader, warnings)
       call reader%close()
       call check(warnings == '', 'a portal on a spring: '//warnings)
+      call run_scene(steel//'*NODE'//nl//' 1, 0, 0, a'//nl//' 2, 1, 0, b'//nl//'*ELEMENT'//nl//' 1, 1, 2'//nl// &
+         & '*JOINT, NAME=j, TYPE=REVOLUTE'//nl//' f.a, ground.origin'//nl//'*GRAVITY'//nl//'*DYNAMICS, END=0.5'//nl// &
+         & '*OUTPUT'//nl//' x(f.b), y(f.b)'//nl, reader, warnings)
+      call reader%close()
+      call check(warnings == '', 'a pendulum: '//warnings)
+      call run_scene(steel//'*NODE'//nl//' 1, 0, 0, a'//nl//' 2, 1, 0, b'//nl//' 3, 1, 0.6, c'//nl//'*ELEMENT'//nl// &
+         & ' 1, 1, 2'//nl//' 2, 2, 3'//nl//'*JOINT, NAME=j, TYPE=WELD, TURN=0'//nl//' f.a, ground.origin'//nl//'*GRAVITY'//nl// &
+         & '*ASSEMBLY, INITIAL DEFLECTIONS=STATIC'//nl//'*DYNAMICS, END=0.5'//nl//'*OUTPUT'//nl//' x(f.c), y(f.c)'//nl, reader, &
+         & warnings)
+      call reader%close()
+      call check(index(warnings, 'drawn in') == 0, 'a frame at rest: '//warnings)
       call run_scene(plastic//'*FRAME, NAME=f, MATERIAL=st, SECTION=s'//nl//'*NODE'//nl//' 1, 0, 0, a'//nl//' 2, 0.8, 0, b'// &
          & nl//' 3, 0.3, 1.7, c'//nl//'*ELEMENT'//nl// &
          & ' 1, 1, 2'//nl//' 2, 2, 3'//nl//' 3, 3, 1'//nl//'*GROUND'//nl//' b, 0.8, 0'//nl//'*JOINT, NAME=j1, TYPE=REVOLUTE'// &

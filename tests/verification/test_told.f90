@@ -476,6 +476,11 @@ contains
          & error=failure)
       call check_no_error(failure, 'a support')
       call check(index(report, "SUPPORT=CLAMPED-ROLLER holds the deflection at the end of beam 'b'") > 0, 'a support: '//report)
+      call run_text(arm//', SUPPORT=CLAMPED-CLAMPED, BENDING MODES=4, AXIAL MODES=1'//weld//'*RIGID BODY, NAME=load, MASS=2, '// &
+         & 'INERTIA=0.05, X=1'//nl//'*JOINT, NAME=k, TYPE=WELD, TURN=0'//nl//' b.end, load.origin'//nl//'*MODES, NUMBER=3'//nl// &
+         & '*OUTPUT'//nl//' y(b.end)'//nl, trim(results), report, failure)
+      call check_no_error(failure, 'a load at the end')
+      call check(index(report, 'the rotation at the end') > 0, 'a load at the end holds nothing: '//report)
    end subroutine check_fast
 
    !> Runs a scene, whose error of a kind of force is known, or which has none to be told.

@@ -155,7 +155,7 @@ contains
       integer, intent(in) :: body
       integer, parameter :: kinds(*) = [quantity_force_x, quantity_force_y, quantity_force_1, quantity_force_2, quantity_moment, &
          & quantity_force, quantity_torque, quantity_tension]
-      integer :: i, j
+      integer :: i, j, k
       self%asked = .false.
       associate (model => system%model)
          do i = 1, size(model%channels)
@@ -163,7 +163,10 @@ contains
                associate (quantity => model%channels(i)%quantities(j))
                   if (all(quantity%kind /= kinds)) cycle
                   if (quantity%of_load) then
-                     if (any(system%loads(quantity%of)%item%bodies == body)) self%asked(1) = .true.
+                     ! A load of the deck may have several parts
+                     do k = model%loads(quantity%of)%first, model%loads(quantity%of)%last
+                        if (any(system%loads(k)%item%bodies == body)) self%asked(1) = .true.
+                     end do
                   else if (quantity%kind /= quantity_moment .and. quantity%kind /= quantity_torque) then
                      self%asked(1) = .true.
                   else if (quantity%kind == quantity_torque .or. quantity%of > size(model%joints)) then

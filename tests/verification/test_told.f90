@@ -469,6 +469,10 @@ contains
          & ' ball, ground.x1'//nl//'*STOP, NAME=st, AXIS=90 deg, LEAST=0, STIFFNESS=2e4'//nl//' ball, b.end'//nl// &
          & '*DYNAMICS, END=0.06, OUTPUTS=500, TOLERANCE=1e-8, INTEGRATOR=ADAMS'//nl//moment, 'bending moments', 0.07_wp)
       call tell_part('reactions alone', arm//modes//'6'//weld//struck//'*OUTPUT'//nl//' force_y(w)'//nl, 'forces of joints', 0.2_wp)
+      call tell_part('a spring behind another load', arm//modes//'3'//weld//'*GROUND'//nl//' e, 1, -0.5'//nl// &
+         & '*RIGID BODY, NAME=far, MASS=1, INERTIA=1, Y=5'//nl//'*TORQUE, NAME=t, BODY=far'//nl//' 1'//nl// &
+         & '*GRAVITY'//nl//'*SPRING, NAME=sp, STIFFNESS=1e5, LENGTH=0.5'//nl//' b.end, ground.e'//nl//struck//'*OUTPUT'//nl// &
+         & ' tension(sp)'//nl, 'forces of joints', 0.3_wp)
       call tell_part('reactions of an exact beam', arm//weld//struck//'*OUTPUT'//nl//' x(b.end)'//nl, 'forces of joints', 0.0_wp)
       call tell_part('places alone', arm//modes//'6'//weld//struck//'*OUTPUT'//nl//' x(b.end)'//nl, 'forces of joints', 0.0_wp)
       call run_text(arm//', SUPPORT=CLAMPED-ROLLER, GEOMETRIC=K_G, BENDING MODES=4, AXIAL MODES=1'//weld// &

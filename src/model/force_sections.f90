@@ -7,7 +7,7 @@ module limber_model_force_sections
    use limber_beam_plane_frame, only: frame_type, beam_frame
    use limber_beam_force_recovery, only: section_type, load_place_type, recovery_type, new_recovery, exact_recovery, all_sections
    use limber_model_quantities, only: is_internal_force
-   use limber_model_model, only: place_on_beam, model_type
+   use limber_model_model, only: place_on_beam, model_type, body_type
    use limber_model_distributed_loads, only: spread_parts
    use limber_base_kinds, only: wp
    implicit none
@@ -63,12 +63,7 @@ contains
       sections = at_points
       allocate (places(own_points(model, index)))
       associate (body => model%bodies(index))
-         if (body%is_frame) then
-            frame = body%mesh
-            shape = body%shape
-         else
-            call beam_frame(body%beam, body%choice%support, body%choice%origin, body%field, frame, shape)
-         end if
+         call mesh_of(body, frame, shape)
          if (body%envelope) sections = [sections, all_sections(frame, acted_places(model, index), envelope_intervals(model, index))]
          ! The tension enters along the whole axis
          if (body%reduced%is_exact) sections = [sections, stations_of(model, index)]
@@ -82,6 +77,20 @@ contains
          if (allocated(error)) call diagnostics%add(origin_type(file=1), "internal forces of '"//body%name//"': "//error%message)
       end associate
    end subroutine add_recovery
+
+   !> The mesh of a body with modes, a straight beam as a frame of one member, and the shapes of its coordinates.
+   subroutine mesh_of(body, frame, shape)
+      type(body_type), intent(in) :: body
+      type(frame_type), intent(out) :: frame
+      !> (3, nodes, n)
+      real(wp), allocatable, intent(out) :: shape(:, :, :)
+      if (body%is_frame) then
+         frame = body%mesh
+         shape = body%shape
+      else
+         call beam_frame(body%beam, body%choice%support, body%choice%origin, body%field, frame, shape)
+      end if
+   end subroutine mesh_of
 
    !> Places of a body at which section forces or stresses may have a jump or a corner: its points, the ends of distributed loads,
    !> concentrated masses, changes of the cross-section. For envelopes.
@@ -167,12 +176,7 @@ contains
       end do
       allocate (places(own_points(model, index)))
       associate (body => model%bodies(index))
-         if (body%is_frame) then
-            frame = body%mesh
-            shape = body%shape
-         else
-            call beam_frame(body%beam, body%choice%support, body%choice%origin, body%field, frame, shape)
-         end if
+         call mesh_of(body, frame, shape)
          call spread_places(model, index, sections, places)
          call new_recovery(frame, shape, body%reduced, sections, places, recovery, error)
       end associate

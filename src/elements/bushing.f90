@@ -74,6 +74,8 @@ contains
          if (any(points == 0)) return
          if (model%points(points(1))%body == model%points(points(2))%body) call diagnostics%add(block%lines(1)%origin_of(2), &
             & "bushing '"//block%name()//"' joins a body to itself", 'name points of two different bodies')
+         if (.not. acts(block)) call diagnostics%add(block%origin, "bushing '"//block%name()//"' does nothing", &
+            & 'give it a STIFFNESS or DAMPING: limber help BUSHING')
          do k = 1, 3
             part = new_part(merge(along_angle, along_slide, k == 3), points(1), points(2))
             part%angle = block%real('AXES') + (k - 1)*quarter
@@ -87,6 +89,13 @@ contains
          call describe_load(model, holds_sections=.true.)
       end associate
    end subroutine read
+
+   !> Whether a stiffness or damping is given.
+   pure logical function acts(block)
+      type(block_type), intent(in) :: block
+      acts = any(block%options%given .and. (index(block%options%name, 'STIFFNESS') == 1 .or. &
+         & index(block%options%name, 'DAMPING') == 1))
+   end function acts
 
    !> Both points, and both sections if it resists rotation.
    subroutine act(self, deck, block, body, points)

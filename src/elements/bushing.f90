@@ -33,7 +33,8 @@ module limber_elements_bushing
       & option_spec_type('BUSHING', 'DAMPING Y', kind_nonnegative, '', 'N s/m', '0', 'force for each unit of speed'), &
       & option_spec_type('BUSHING', 'DAMPING ROTATION', kind_nonnegative, '', 'N m s', '0', 'torque for each unit of spin'), &
       & option_spec_type('BUSHING', 'ANGLE', kind_real, '', &
-      &    'rad', '0', 'angle of the first section less that of the second without torque')]
+      &    'rad', '0', 'angle of the first section less that of the second without torque', &
+      &    only='STIFFNESS ROTATION')]
    !> Fields of its data lines
    type(field_spec_type), parameter :: fields(*) = [ &
       & field_spec_type('BUSHING', 'first point', kind_point, '', 'body.point'), &

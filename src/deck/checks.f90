@@ -8,7 +8,8 @@ module limber_deck_checks
    use limber_deck_parameters, only: name_length
    use limber_deck_schema, only: option_spec_type, field_spec_type, kind_name, kind_reference, form_channels
    use limber_deck_keywords, only: keyword_table, keyword_options, keyword_fields, find_keyword, contains_value
-   use limber_deck_content, only: deck_type, tell_block
+   use limber_deck_content, only: deck_type, block_type, tell_block
+   use limber_deck_idle_options, only: check_idle
    implicit none
    private
    public :: check_deck
@@ -31,8 +32,18 @@ contains
       do i = 1, size(deck%blocks)
          if (diagnostics%count >= max_errors) return
          before = diagnostics%count
+         call check_name(deck%blocks(i), register, diagnostics)
+         if (diagnostics%count == before) cycle
+         deck%blocks(i)%broken = .true.
+         call tell_block(deck%blocks(i), diagnostics)
+         ! The name that was meant is not known
+         diagnostics%nameless = diagnostics%nameless + 1
+      end do
+      do i = 1, size(deck%blocks)
+         if (diagnostics%count >= max_errors) return
+         before = diagnostics%count
          call check_count(deck, i, diagnostics)
-         call check_options(deck, i, register, diagnostics)
+         call check_options(deck, i, diagnostics)
          call check_lines(deck, i, diagnostics)
          if (diagnostics%count == before) cycle
          deck%blocks(i)%broken = .true.
@@ -57,25 +68,35 @@ contains
       end associate
    end subroutine check_count
 
-   !> Checks the names that a block defines and refers to.
-   subroutine check_options(deck, i, register, diagnostics)
+   !> Checks that the name of a block is its own.
+   subroutine check_name(block, register, diagnostics)
+      type(block_type), intent(in) :: block
+      type(register_type), intent(inout) :: register
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(option_spec_type), allocatable :: specs(:)
+      integer :: k
+      if (.not. block%knows('NAME')) return
+      allocate (specs, source=keyword_options(block%keyword))
+      do k = 1, size(specs)
+         if (specs(k)%kind /= kind_name .or. .not. block%options(k)%has_value) cycle
+         call claim(register, trim(specs(k)%values), block%options(k)%text, block%options(k)%origin, diagnostics)
+      end do
+   end subroutine check_name
+
+   !> Checks the names that a block refers to, and whether its options have an effect.
+   subroutine check_options(deck, i, diagnostics)
       type(deck_type), intent(in) :: deck
       integer, intent(in) :: i
-      type(register_type), intent(inout) :: register
       type(diagnostics_type), intent(inout) :: diagnostics
       type(option_spec_type), allocatable :: specs(:)
       integer :: k
       allocate (specs, source=keyword_options(deck%blocks(i)%keyword))
       do k = 1, size(specs)
          if (.not. deck%blocks(i)%options(k)%has_value) cycle
-         if (specs(k)%kind == kind_name) then
-            call claim(register, trim(specs(k)%values), deck%blocks(i)%options(k)%text, &
-               & deck%blocks(i)%options(k)%origin, diagnostics)
-         else if (specs(k)%kind == kind_reference) then
-            call check_reference(deck, specs(k), deck%blocks(i)%options(k)%text, deck%blocks(i)%options(k)%origin, &
-               & diagnostics)
-         end if
+         if (specs(k)%kind == kind_reference) call check_reference(deck, specs(k), deck%blocks(i)%options(k)%text, &
+            & deck%blocks(i)%options(k)%origin, diagnostics)
       end do
+      call check_idle(deck%blocks(i), specs, diagnostics)
    end subroutine check_options
 
    !> Enters a name into a scope; reports one that is taken or reserved.
@@ -168,13 +189,36 @@ contains
       integer, intent(in) :: i
       type(diagnostics_type), intent(inout) :: diagnostics
       type(register_type) :: register
-      if (deck%blocks(i)%keyword == 'GROUND' .or. size(deck%blocks(i)%lines) < 2) return
+      if (deck%blocks(i)%keyword == 'GROUND' .or. size(deck%blocks(i)%lines) == 0) return
       if (deck%blocks(i)%keyword == 'SWEEP') then
+         call check_swept(deck, i, diagnostics)
          call claim_points(deck, i, 'parameters of the sweep', register, diagnostics)
       else
          call claim_points(deck, i, 'points of '//deck%blocks(i)%name(), register, diagnostics)
       end if
    end subroutine check_lines
+
+   !> Reports parameters of a sweep that the deck does not define.
+   subroutine check_swept(deck, i, diagnostics)
+      type(deck_type), intent(in) :: deck
+      integer, intent(in) :: i
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: k, near
+      do k = 1, size(deck%blocks(i)%lines)
+         associate (field => deck%blocks(i)%lines(k)%fields(1), known => deck%parameters)
+            if (known%find(field%text) > 0) cycle
+            near = 0
+            if (known%count > 0) near = nearest_name(field%text, known%items(:known%count)%name)
+            if (near > 0) then
+               call diagnostics%add(field%origin, "there is no parameter '"//field%text//"'", "did you mean '"// &
+                  & trim(known%items(near)%name)//"'?", about=field%text)
+            else
+               call diagnostics%add(field%origin, "there is no parameter '"//field%text//"'", &
+                  & 'define it with *PARAMETER: name = value', about=field%text)
+            end if
+         end associate
+      end do
+   end subroutine check_swept
 
    !> Checks that the points of all *GROUND blocks differ.
    subroutine check_ground(deck, diagnostics)

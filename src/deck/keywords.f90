@@ -103,17 +103,22 @@ module limber_deck_keywords
       & option_spec_type('SECTION', 'NAME', kind_name, 'sections', '', needed, 'name of the section'), &
       & option_spec_type('SECTION', 'SHAPE', kind_word, 'CIRCLE|RECTANGLE|TUBE|GENERAL', &
       &    '', needed, 'shape; decides which of the other options are needed'), &
-      & option_spec_type('SECTION', 'DIAMETER', kind_positive, '', 'm', '', '(outer) diameter of CIRCLE and TUBE'), &
+      & option_spec_type('SECTION', 'DIAMETER', kind_positive, '', 'm', '', '(outer) diameter of CIRCLE and TUBE', &
+      &    only='SHAPE=CIRCLE|TUBE'), &
       & option_spec_type('SECTION', 'WIDTH', kind_positive, '', &
-      &    'm', '', 'width of RECTANGLE, across the plane of bending'), &
-      & option_spec_type('SECTION', 'HEIGHT', kind_positive, '', 'm', '', 'height of RECTANGLE, in the plane of bending'), &
-      & option_spec_type('SECTION', 'THICKNESS', kind_positive, '', 'm', '', 'thickness of the wall of TUBE'), &
-      & option_spec_type('SECTION', 'AREA', kind_positive, '', 'm^2', '', 'area of GENERAL'), &
+      &    'm', '', 'width of RECTANGLE, across the plane of bending', only='SHAPE=RECTANGLE'), &
+      & option_spec_type('SECTION', 'HEIGHT', kind_positive, '', 'm', '', 'height of RECTANGLE, in the plane of bending', &
+      &    only='SHAPE=RECTANGLE'), &
+      & option_spec_type('SECTION', 'THICKNESS', kind_positive, '', 'm', '', 'thickness of the wall of TUBE', &
+      &    only='SHAPE=TUBE'), &
+      & option_spec_type('SECTION', 'AREA', kind_positive, '', 'm^2', '', 'area of GENERAL', only='SHAPE=GENERAL'), &
       & option_spec_type('SECTION', 'INERTIA', kind_positive, '', &
-      &    'm^4', '', 'second moment of area of GENERAL for bending in the plane'), &
+      &    'm^4', '', 'second moment of area of GENERAL for bending in the plane', only='SHAPE=GENERAL'), &
       & option_spec_type('SECTION', 'TOP', kind_positive, '', &
-      &    'm', '', 'GENERAL: distance from the axis of the extreme fibre to the left of the beam, for stresses'), &
-      & option_spec_type('SECTION', 'BOTTOM', kind_positive, '', 'm', '', 'GENERAL: the same to the right; if not given, TOP'), &
+      &    'm', '', 'GENERAL: distance from the axis of the extreme fibre to the left of the beam, for stresses', &
+      &    only='SHAPE=GENERAL'), &
+      & option_spec_type('SECTION', 'BOTTOM', kind_positive, '', 'm', '', 'GENERAL: the same to the right; if not given, TOP', &
+      &    only='SHAPE=GENERAL'), &
       & option_spec_type('SECTION', 'SHEAR FACTOR', kind_positive, '', &
       &    '', '', 'area in shear divided by area; default 5/6 of RECTANGLE, 6/7 of CIRCLE, of TUBE by its wall'), &
       & option_spec_type('GRAVITY', 'X', kind_real, '', 'm/s^2', '0', 'along x'), &
@@ -154,11 +159,11 @@ module limber_deck_keywords
       & option_spec_type('DYNAMICS', 'INTEGRATOR', kind_word, 'AUTO|ADAMS|ALPHA|RADAU|CONSERVING', &
       &    '', 'AUTO', 'integration method; AUTO: chosen from the scene and the tolerance, and said in the report'), &
       & option_spec_type('DYNAMICS', 'SPECTRAL RADIUS', kind_nonnegative, '', &
-      &    '', '0.8', 'ALPHA: 1 damps no vibration, 0 all that the step does not resolve'), &
+      &    '', '0.8', 'ALPHA: 1 damps no vibration, 0 all that the step does not resolve', only='INTEGRATOR=ALPHA|AUTO'), &
       & option_spec_type('DYNAMICS', 'INITIAL STEP', kind_positive, '', &
-      &    's', '', 'first step; if not given, chosen by the integrator'), &
+      &    's', '', 'first step; if not given, chosen by the integrator', only='-FIXED STEP'), &
       & option_spec_type('DYNAMICS', 'MAXIMUM STEP', kind_positive, '', &
-      &    's', '', 'longest step; if not given, not limited'), &
+      &    's', '', 'longest step; if not given, not limited', only='-FIXED STEP'), &
       & option_spec_type('DYNAMICS', 'FIXED STEP', kind_positive, '', &
       &    's', '', 'length of every step, whatever its error; TOLERANCE then ends iterations only'), &
       & option_spec_type('DYNAMICS', 'MAXIMUM STEPS', kind_counting, '', &
@@ -181,8 +186,10 @@ module limber_deck_keywords
       &    '', 'GRID', 'all combinations; first values together, second ones, ...; or samples spread over ranges'), &
       & option_spec_type('SWEEP', 'FILE', kind_path, '', &
       &    '', '', 'columns with the names of parameters above them (.csv); its rows count as one more line'), &
-      & option_spec_type('SWEEP', 'SAMPLES', kind_counting, '', '', '100', 'LATIN HYPERCUBE: number of runs', most=100000), &
-      & option_spec_type('SWEEP', 'SEED', kind_counting, '', '', '1', 'LATIN HYPERCUBE: another number, other samples'), &
+      & option_spec_type('SWEEP', 'SAMPLES', kind_counting, '', '', '100', 'LATIN HYPERCUBE: number of runs', most=100000, &
+      &    only='METHOD=LATIN HYPERCUBE'), &
+      & option_spec_type('SWEEP', 'SEED', kind_counting, '', '', '1', 'LATIN HYPERCUBE: another number, other samples', &
+      &    only='METHOD=LATIN HYPERCUBE'), &
       & option_spec_type('SWEEP', 'KEEP', kind_yes, '', &
       &    '', 'NO', 'whether the whole history of each run is kept, in the folder beside the summary'), &
       & option_spec_type('SWEEP', 'LIMIT', kind_positive, '', &
@@ -221,8 +228,8 @@ module limber_deck_keywords
       &    '', 'LEAVE', 'where equilibrium turns unstable: go on with a stable one, stay, or end the run'), &
       & option_spec_type('STATICS', 'ROTATION', kind_real, '', &
       &    'rad/s', '0', 'speed at which everything turns about the centre at the end; grows from that before'), &
-      & option_spec_type('STATICS', 'CENTRE X', kind_real, '', 'm', '0', 'x of the centre of ROTATION'), &
-      & option_spec_type('STATICS', 'CENTRE Y', kind_real, '', 'm', '0', 'y of the centre of ROTATION'), &
+      & option_spec_type('STATICS', 'CENTRE X', kind_real, '', 'm', '0', 'x of the centre of ROTATION', only='ROTATION'), &
+      & option_spec_type('STATICS', 'CENTRE Y', kind_real, '', 'm', '0', 'y of the centre of ROTATION', only='ROTATION'), &
       & option_spec_type('MODES', 'NAME', kind_name, 'analyses', '', '', 'name of the step in the results'), &
       & option_spec_type('MODES', 'NUMBER', kind_counting, '', '', '10', 'number of modes: those of the lowest frequencies', &
       &    most=1000), &

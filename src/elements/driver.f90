@@ -30,17 +30,21 @@ module limber_elements_driver
       & option_spec_type('DRIVER', 'TYPE', kind_word, 'ANGLE|DISTANCE|DISPLACEMENT|X|Y', &
       &    '', needed, 'angle of BODY or JOINT, distance of POINT and TO, displacement of JOINT, x or y of POINT'), &
       & option_spec_type('DRIVER', 'BODY', kind_reference, 'RIGID BODY|BEAM|FRAME', '', '', &
-      &    'ANGLE: body that is driven'), &
+      &    'ANGLE: body that is driven', only='TYPE=ANGLE'), &
       & option_spec_type('DRIVER', 'JOINT', kind_reference, 'JOINT', &
-      &    '', '', 'ANGLE, DISPLACEMENT: joint whose joint_angle or displacement is driven'), &
-      & option_spec_type('DRIVER', 'POINT', kind_point, '', '', '', 'X, Y, DISTANCE: point that is driven'), &
-      & option_spec_type('DRIVER', 'TO', kind_point, '', '', '', 'DISTANCE: point that the distance is counted from'), &
+      &    '', '', 'ANGLE, DISPLACEMENT: joint whose joint_angle or displacement is driven', &
+      &    only='TYPE=ANGLE|DISPLACEMENT'), &
+      & option_spec_type('DRIVER', 'POINT', kind_point, '', '', '', 'X, Y, DISTANCE: point that is driven', &
+      &    only='TYPE=X|Y|DISTANCE'), &
+      & option_spec_type('DRIVER', 'TO', kind_point, '', '', '', 'DISTANCE: point that the distance is counted from', &
+      &    only='TYPE=DISTANCE'), &
       & option_spec_type('DRIVER', 'LEVEL', kind_word, 'POSITION|VELOCITY|ACCELERATION', &
       &    '', 'POSITION', 'what the expression gives: the coordinate, its rate, or its second rate'), &
       & option_spec_type('DRIVER', 'INITIAL', kind_real, '', &
-      &    'rad, m', '', 'VELOCITY, ACCELERATION: the coordinate at first; if not given, as guessed'), &
+      &    'rad, m', '', 'VELOCITY, ACCELERATION: the coordinate at first; if not given, as guessed', &
+      &    only='LEVEL=VELOCITY|ACCELERATION'), &
       & option_spec_type('DRIVER', 'INITIAL VELOCITY', kind_real, '', &
-      &    'rad/s, m/s', '', 'ACCELERATION: the rate at first; if not given, 0')]
+      &    'rad/s, m/s', '', 'ACCELERATION: the rate at first; if not given, 0', only='LEVEL=ACCELERATION')]
    !> Fields of its data lines
    type(field_spec_type), parameter :: fields(*) = [ &
       & field_spec_type('DRIVER', 'value', kind_time_expression, 'rad, m', &

@@ -59,7 +59,7 @@ contains
                part%angle = joint%angle
             else
                call diagnostics%add(block%origin_of('JOINT'), "there is no friction in joint '"//joint%name//"'", &
-                  & 'it is for joints of the types REVOLUTE, TRANSLATIONAL and POINT ON LINE')
+                  & 'it is for joints of the types REVOLUTE, TRANSLATIONAL and POINT ON LINE', object=block%name('JOINT'))
                return
             end if
             part%damping = block%real('COEFFICIENT')

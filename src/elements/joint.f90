@@ -29,9 +29,11 @@ module limber_elements_joint
       & needed, 'name of the joint')
    type(option_spec_type), parameter :: options(*) = [ &
       & option_spec_type('JOINT', 'ANGLE', kind_real, '', &
-      &    'rad', '0', 'POINT ON LINE, TRANSLATIONAL, RACK, POINT ON CURVE: direction of the (x) axis in the second section'), &
+      &    'rad', '0', 'POINT ON LINE, TRANSLATIONAL, RACK, POINT ON CURVE: direction of the (x) axis in the second section', &
+      &    only='TYPE=POINT ON LINE|TRANSLATIONAL|RACK|POINT ON CURVE'), &
       & option_spec_type('JOINT', 'TURN', kind_real, '', &
-      &    'rad', '', 'TRANSLATIONAL, WELD: angle of the first section from the second; if not given, as guessed')]
+      &    'rad', '', 'TRANSLATIONAL, WELD: angle of the first section from the second; if not given, as guessed', &
+      &    only='TYPE=TRANSLATIONAL|WELD')]
    !> Fields of its data lines
    type(field_spec_type), parameter :: fields(*) = [ &
       & field_spec_type('JOINT', 'first point', kind_point, '', 'body.point'), &
@@ -96,6 +98,7 @@ contains
          model%joints(joint)%points = points
          associate (kind => joint_kinds(joint_kind(block%word('TYPE')))%item)
             call read_sizes(block, kind, model%joints(joint), diagnostics)
+            if (diagnostics%count > before) return
             call kind%check(block, model, bodies, diagnostics)
             call check_guess(block, model, kind, model%joints(joint), diagnostics)
          end associate
@@ -111,6 +114,7 @@ contains
       type(joint_type), intent(inout) :: joint
       type(diagnostics_type), intent(inout) :: diagnostics
       character(len(kind%needs)), allocatable :: needs(:)
+      character(:), allocatable :: missing
       integer :: i
       joint%angle = block%real('ANGLE')
       joint%turn = block%real('TURN')
@@ -118,11 +122,13 @@ contains
       call kind%read(block, joint, diagnostics)
       call describe_joint(kind%word, joint)
       allocate (needs, source=split_values(kind%needs))
+      missing = ''
       do i = 1, size(needs)
          if (needs(i) == '') cycle
-         if (.not. block%has(trim(needs(i)))) call diagnostics%add(block%origin, "joint '"//block%name()//"' of TYPE="// &
-            & block%word('TYPE')//' needs '//trim(needs(i)), 'add '//trim(needs(i))//'=')
+         if (.not. block%has(trim(needs(i)))) missing = missing//', '//trim(needs(i))
       end do
+      if (missing /= '') call diagnostics%add(block%origin, "joint '"//block%name()//"' of TYPE="//block%word('TYPE')// &
+         & ' needs '//missing(3:), 'add '//missing(3:index(missing(3:)//',', ',') + 1)//'=')
    end subroutine read_sizes
 
    !> Reports initial guesses that a joint cannot start from, and warns of doubtful ones.

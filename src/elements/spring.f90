@@ -25,9 +25,10 @@ module limber_elements_spring
       & option_spec_type('SPRING', 'STIFFNESS', kind_nonnegative, '', &
       &    'N/m, N m/rad', '0', 'tension for each unit of extension, torque for each unit of angle'), &
       & option_spec_type('SPRING', 'LENGTH', kind_nonnegative, '', &
-      &    'm', '0', 'TRANSLATIONAL: free length, the distance of the points without tension'), &
+      &    'm', '0', 'TRANSLATIONAL: free length, the distance of the points without tension', only='TYPE=TRANSLATIONAL'), &
       & option_spec_type('SPRING', 'ANGLE', kind_real, '', &
-      &    'rad', '0', 'ROTATIONAL: free angle of the second body less that of the first, turns included'), &
+      &    'rad', '0', 'ROTATIONAL: free angle of the second body less that of the first, turns included', &
+      &    only='TYPE=ROTATIONAL'), &
       & option_spec_type('SPRING', 'DAMPING', kind_nonnegative, '', &
       &    'N s/m, N m s', '0', 'tension for each unit of the speed at which the points part, torque for each unit of spin')]
    !> Fields of its data lines
@@ -66,10 +67,6 @@ contains
       logical :: turning, linear
       associate (block => deck%blocks(index))
          turning = block%word('TYPE') == 'ROTATIONAL'
-         if (turning .and. block%real('LENGTH') > 0.0_wp) call diagnostics%add(block%origin_of('LENGTH'), &
-            & 'LENGTH is of springs of TYPE=TRANSLATIONAL', 'the free angle is ANGLE')
-         if (.not. turning .and. abs(block%real('ANGLE')) > 0.0_wp) call diagnostics%add(block%origin_of('ANGLE'), &
-            & 'ANGLE is of springs of TYPE=ROTATIONAL', 'the free length is LENGTH')
          if (size(block%lines) /= 1) return
          call find_pair(block, model, points, diagnostics)
          if (any(points == 0)) return

@@ -121,7 +121,7 @@ contains
                part%angle = joint%angle
             else
                call diagnostics%add(block%origin_of('JOINT'), "there is no stop in joint '"//joint%name//"'", &
-                  & 'it is for joints of the types REVOLUTE, TRANSLATIONAL and POINT ON LINE')
+                  & 'it is for joints of the types REVOLUTE, TRANSLATIONAL and POINT ON LINE', object=block%name('JOINT'))
             end if
          end associate
       else

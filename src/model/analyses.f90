@@ -86,6 +86,8 @@ contains
          select case (step%kind)
          case (step_dynamics)
             call read_dynamics(block, step%dynamics, diagnostics)
+            if (block%given('VELOCITIES') .and. size(steps) == 1) call diagnostics%add(block%origin_of('VELOCITIES'), &
+               & 'VELOCITIES means nothing in the first analysis', 'leave it out: bodies begin with their VX, VY and SPIN')
             select case (block%word('VELOCITIES'))
             case ('REST'); step%velocities = velocities_none
             case ('DECK'); step%velocities = velocities_of_deck

@@ -18,7 +18,8 @@ contains
          call look(options_of_modes, 'of an EXACT beam', 'leave it out: FUNCTIONS and STRAIN FUNCTIONS '// &
             & 'say how finely it bends and stretches')
       else
-         call look(options_of_exact(:2), 'of a beam that is not EXACT', 'leave it out, or write GEOMETRIC=EXACT')
+         call look([character(20) :: options_of_exact(:2), 'TENSION'], 'of a beam that is not EXACT', &
+            & 'leave it out, or write GEOMETRIC=EXACT')
          if (block%integer('SEGMENTS') > 1 .and. block%word('GEOMETRIC') /= 'RIGID') call diagnostics%add( &
             & block%origin_of('SEGMENTS'), "beam '"//block%name()//"': SEGMENTS is for GEOMETRIC=EXACT only, not for "// &
             & block%word('GEOMETRIC'), 'leave it out, or write GEOMETRIC=EXACT in place of the options of modes')

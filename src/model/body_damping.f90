@@ -21,6 +21,9 @@ contains
       integer :: body, pieces(2), before
       body = find_body(model, block%name('BODY'))
       if (body == 0) return
+      if (size(block%lines) == 0 .and. .not. (block%given('RATIO') .or. block%given('RAYLEIGH ALPHA') .or. &
+         & block%given('RAYLEIGH BETA'))) call diagnostics%add(block%origin, '*DAMPING gives no damping', &
+         & 'add RATIO=, RAYLEIGH ALPHA= or RAYLEIGH BETA=, or data lines: mode, ratio')
       pieces = pieces_of(model, body)
       before = diagnostics%count
       do body = pieces(1), pieces(2)

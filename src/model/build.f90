@@ -21,11 +21,12 @@ module limber_model_build
    use limber_model_control_checks, only: check_controls
    use limber_model_control_laws, only: insert_outputs
    use limber_model_load_laws, only: resolve_laws
-   use limber_model_body_parts, only: check_parts
+   use limber_model_body_parts, only: check_parts, refuse_incomplete
    use limber_model_points, only: add_point, find_body
    use limber_model_ramps, only: warn_of_ramp
    use limber_model_run_scalars, only: add_scalars
    use limber_model_model, only: model_type, body_flexible, ground
+   use limber_model_sections, only: check_material
    use limber_model_short_beams, only: warn_of_short
    use limber_model_switches, only: set_switch
    use limber_model_beam_segments, only: pieces_of
@@ -45,6 +46,7 @@ contains
       !> Modal reductions of earlier models, for reuse; new ones are added
       type(library_type), intent(inout), optional :: library
       type(deck_type) :: expanded
+      call refuse_incomplete(deck, diagnostics)
       if (has_large_frames(deck)) then
          expanded = deck
          call expand_frames(expanded, diagnostics)
@@ -76,6 +78,7 @@ contains
          before = diagnostics%count
          select case (deck%blocks(i)%keyword)
          case ('GROUND'); call add_points(deck%blocks(i), 'ground', ground, model, diagnostics)
+         case ('MATERIAL'); call check_material(deck%blocks(i), diagnostics)
          case ('GRAVITY'); call read_gravity(deck, i, model, diagnostics)
          case ('RIGID BODY'); call add_rigid_body(deck%blocks(i), model, diagnostics)
          case ('POINT MASS'); call add_point_mass(deck%blocks(i), model)
@@ -180,6 +183,8 @@ contains
       real(wp), parameter :: largest = 0.1_wp, smallest = 1.0e-9_wp
       model%accuracy%estimate = block%yes('ESTIMATE')
       model%accuracy%target = block%real('TARGET')
+      if (.not. (block%given('ESTIMATE') .or. block%given('TARGET'))) call diagnostics%warn(block%origin, &
+         & '*ACCURACY asks for nothing', 'add ESTIMATE=YES, or TARGET=')
       if (.not. block%has('TARGET')) return
       if (model%accuracy%target > largest .or. model%accuracy%target < smallest) call diagnostics%add( &
          & block%origin_of('TARGET'), 'no error that can be aimed at', 'give a relative error from 1e-9 to 0.1')

@@ -6,11 +6,21 @@ module limber_model_sections
    use limber_deck_diagnostics, only: diagnostics_type
    implicit none
    private
-   public :: read_section, section_between, shear_factor, curved_inertia
+   public :: read_section, section_between, shear_factor, curved_inertia, check_material
 
    real(wp), parameter :: pi = acos(-1.0_wp)
 
 contains
+
+   !> Reports a Poisson's ratio that no material has.
+   subroutine check_material(block, diagnostics)
+      type(block_type), intent(in) :: block
+      type(diagnostics_type), intent(inout) :: diagnostics
+      real(wp) :: ratio
+      ratio = block%real('POISSON')
+      if (.not. (ratio > -1.0_wp .and. ratio <= 0.5_wp)) call diagnostics%add(block%origin_of('POISSON'), &
+         & 'no elastic material has POISSON='//as_text(ratio), 'give a number above -1 and at most 0.5')
+   end subroutine check_material
 
    !> Area, second moment of area, and distances of the extreme fibres.
    subroutine read_section(block, strength, diagnostics)
@@ -35,7 +45,7 @@ contains
          inner = d - 2*block%real('THICKNESS')
          if (inner < 0.0_wp) then
             call diagnostics%add(block%origin_of('THICKNESS'), "the wall of section '"//block%name()// &
-               & "' is thicker than its radius", 'at most '//as_text(0.5_wp*d))
+               & "' is thicker than its radius", 'at most '//as_text(0.5_wp*d), object=block%name())
             return
          end if
          strength = [pi*(d**2 - inner**2)/4, pi*(d**4 - inner**4)/64, d/2, d/2]

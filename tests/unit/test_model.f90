@@ -15,7 +15,7 @@ program test_model
       & 'too_many_modes', 'turns_apart', 'welds', 'large_frame', 'moved_whole', 'held_rod', 'switches', 'controls']
    character(*), parameter :: warned(*) = [character(32) :: 'warn_exact_options', 'warn_no_tension', &
       & 'warn_redundant_coupler', 'warn_redundant_joint', 'warn_redundant_beam', 'warn_singular', 'warn_ramp', 'warn_ramp_load', &
-      & 'warn_springs']
+      & 'warn_springs', 'warn_idle']
 
    do i = 1, size(refused)
       call check_refused(trim(refused(i)))

@@ -1,0 +1,88 @@
+!> Options without effect beside the others of their block: each row of the keyword table says when its option has one. Floor: deck.
+module limber_deck_idle_options
+   use limber_deck_content, only: block_type
+   use limber_deck_diagnostics, only: diagnostics_type
+   use limber_deck_origin, only: origin_type
+   use limber_deck_keywords, only: contains_value
+   use limber_deck_schema, only: option_spec_type
+   implicit none
+   private
+   public :: is_idle, check_idle
+
+contains
+
+   !> Whether an option has no effect in a block, by what the block says beside it.
+   pure logical function is_idle(block, spec)
+      type(block_type), intent(in) :: block
+      !> Row of the option
+      type(option_spec_type), intent(in) :: spec
+      integer :: equals
+      is_idle = .false.
+      if (spec%only == '') return
+      equals = index(spec%only, '=')
+      if (spec%only(1:1) == '-') then
+         is_idle = block%given(trim(spec%only(2:)))
+      else if (equals == 0) then
+         is_idle = .not. block%given(trim(spec%only))
+      else if (block%has(spec%only(:equals - 1))) then
+         ! A refused word is an error of its own
+         is_idle = .not. contains_value(spec%only(equals + 1:), block%word(spec%only(:equals - 1)))
+      end if
+   end function is_idle
+
+   !> Reports the first given option of a block that has no effect: the others may have none for the same reason.
+   subroutine check_idle(block, specs, diagnostics)
+      type(block_type), intent(in) :: block
+      !> Rows of its options
+      type(option_spec_type), intent(in) :: specs(:)
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: i
+      do i = 1, size(specs)
+         if (.not. block%options(i)%given) cycle
+         if (.not. is_idle(block, specs(i))) cycle
+         call complain(block, specs(i), block%options(i)%origin, diagnostics)
+         return
+      end do
+   end subroutine check_idle
+
+   !> Reports an option without effect, and where it has one.
+   subroutine complain(block, spec, origin, diagnostics)
+      type(block_type), intent(in) :: block
+      type(option_spec_type), intent(in) :: spec
+      type(origin_type), intent(in) :: origin
+      type(diagnostics_type), intent(inout) :: diagnostics
+      character(:), allocatable :: name, other
+      integer :: equals
+      name = trim(spec%name)
+      equals = index(spec%only, '=')
+      if (spec%only(1:1) == '-') then
+         other = trim(spec%only(2:))
+         call diagnostics%add(origin, name//' means nothing beside '//other, 'leave one of the two out')
+      else if (equals == 0) then
+         other = trim(spec%only)
+         call diagnostics%add(origin, name//' means nothing without '//other, 'leave it out, or add '//other//'=')
+      else
+         other = spec%only(:equals - 1)
+         call diagnostics%add(origin, name//' means nothing with '//other//'='//block%word(other), 'leave it out; it is for '// &
+            & other//'='//alternatives(trim(spec%only(equals + 1:))))
+      end if
+   end subroutine complain
+
+   !> 'GEAR|BELT|ROD' as 'GEAR, BELT or ROD'.
+   pure function alternatives(words) result(text)
+      character(*), intent(in) :: words
+      character(:), allocatable :: text
+      integer :: i
+      text = ''
+      do i = 1, len(words)
+         if (words(i:i) /= '|') then
+            text = text//words(i:i)
+         else if (index(words(i + 1:), '|') > 0) then
+            text = text//', '
+         else
+            text = text//' or '
+         end if
+      end do
+   end function alternatives
+
+end module limber_deck_idle_options

@@ -1,10 +1,11 @@
 !> Options without effect beside the others of their block: each row of the keyword table says when its option has one. Floor: deck.
 module limber_deck_idle_options
-   use limber_deck_content, only: block_type
+   use limber_base_kinds, only: wp
+   use limber_deck_content, only: block_type, option_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_origin, only: origin_type
    use limber_deck_keywords, only: contains_value
-   use limber_deck_schema, only: option_spec_type
+   use limber_deck_schema, only: option_spec_type, needed, kind_real, kind_positive, kind_nonnegative, kind_count, kind_counting
    implicit none
    private
    public :: is_idle, check_idle
@@ -30,7 +31,26 @@ contains
       end if
    end function is_idle
 
-   !> Reports the first given option of a block that has no effect: the others may have none for the same reason.
+   !> Whether a block gives an option the value that it has without being given: effective decks of earlier versions give all.
+   pure logical function is_default(option, spec)
+      type(option_type), intent(in) :: option
+      !> Row of the option
+      type(option_spec_type), intent(in) :: spec
+      integer, parameter :: whole(*) = [kind_count, kind_counting], numbers(*) = [kind_real, kind_positive, kind_nonnegative, whole]
+      real(wp) :: value
+      integer :: status
+      is_default = .false.
+      if (spec%default == '' .or. spec%default == needed) return
+      is_default = option%text == trim(spec%default)
+      if (is_default .or. all(spec%kind /= numbers)) return
+      read (spec%default, *, iostat=status) value
+      if (status /= 0) return
+      is_default = abs(option%value - value) <= 0.0_wp
+      if (any(spec%kind == whole)) is_default = option%whole == nint(value)
+   end function is_default
+
+   !> Reports the first given option of a block that has no effect: the others may have none for the same reason. One that gives its
+   !> default is no mistake.
    subroutine check_idle(block, specs, diagnostics)
       type(block_type), intent(in) :: block
       !> Rows of its options
@@ -39,7 +59,7 @@ contains
       integer :: i
       do i = 1, size(specs)
          if (.not. block%options(i)%given) cycle
-         if (.not. is_idle(block, specs(i))) cycle
+         if (.not. is_idle(block, specs(i)) .or. is_default(block%options(i), specs(i))) cycle
          call complain(block, specs(i), block%options(i)%origin, diagnostics)
          return
       end do

@@ -11,7 +11,7 @@ module limber_analysis_kinematic_analysis
    use limber_analysis_curve_path, only: curve_path_type, new_paths, follow_paths, break_text
    use limber_scene_joint_check, only: check_joints
    use limber_scene_law_checks, only: check_law_energies
-   use limber_scene_moved_wholly, only: undriven_text
+   use limber_scene_kinematic_determinacy, only: undriven_text
    use limber_scene_outcome, only: outcome_type
    use limber_scene_sampling, only: check_residuals
    use limber_scene_scene, only: scene_type, seconds_since

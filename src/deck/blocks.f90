@@ -46,7 +46,7 @@ module limber_deck_blocks
       !> A limit was exceeded: reading is to stop
       logical :: full = .false.
       !> A block of an unknown keyword with a name stands right above
-      logical :: gap = .false.
+      logical :: after_unknown = .false.
    end type open_block_type
 
 contains
@@ -94,7 +94,7 @@ contains
       character(:), allocatable :: name
       integer :: i
       name = value_of(parts, 'NAME')
-      self%gap = self%gap .or. name /= ''
+      self%after_unknown = self%after_unknown .or. name /= ''
       if (name == '') name = value_of(parts, 'BODY')
       call diagnostics%tell(name)
       if (name /= '') return
@@ -482,8 +482,8 @@ contains
          block%keyword = self%block%keyword
          block%origin = self%block%origin
          block%broken = diagnostics%count > self%errors
-         block%behind_gap = self%gap
-         self%gap = .false.
+         block%after_unknown = self%after_unknown
+         self%after_unknown = .false.
          if (block%broken) call tell_block(self%block, diagnostics)
          call move_alloc(self%block%options, block%options)
          call move_alloc(self%block%lines, block%lines)

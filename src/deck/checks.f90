@@ -2,12 +2,12 @@
 !> once. Floor: deck.
 module limber_deck_checks
    use limber_base_names, only: name_index_type
-   use limber_base_text, only: nearest_name, lowercase
+   use limber_base_text, only: nearest_name, suggestion, lowercase
    use limber_deck_origin, only: origin_type
    use limber_deck_diagnostics, only: diagnostics_type, max_shown, max_errors
    use limber_deck_parameters, only: name_length
    use limber_deck_schema, only: option_spec_type, field_spec_type, kind_name, kind_reference, form_channels
-   use limber_deck_keywords, only: keyword_table, keyword_options, keyword_fields, find_keyword, contains_value
+   use limber_deck_keywords, only: keyword_table, keyword_options, keyword_fields, find_keyword, contains_value, alternatives
    use limber_deck_content, only: deck_type, block_type, tell_block
    use limber_deck_idle_options, only: check_idle
    implicit none
@@ -140,7 +140,7 @@ contains
       character(:), allocatable :: kinds, label
       integer :: i, count, other
       if (deck%find_named(trim(spec%values), name) > 0) return
-      kinds = alternatives(trim(spec%values))
+      kinds = alternatives(trim(spec%values), '*')
       label = 'define it with '//kinds
       ! What is not shown need not be searched for
       if (diagnostics%count >= max_shown) then
@@ -159,7 +159,7 @@ contains
          end if
       end do
       i = nearest_name(name, names(:count))
-      if (i > 0) label = "did you mean '"//trim(names(i))//"'?"
+      label = suggestion(name, names(:count), label)
       if (other > 0 .and. i == 0) then
          call diagnostics%add(origin, "'"//name//"' is no "//kinds, trim(spec%meaning), &
             & deck%blocks(other)%origin_of('NAME'), 'it is a *'//deck%blocks(other)%keyword)
@@ -167,21 +167,6 @@ contains
          call diagnostics%add(origin, 'there is no '//kinds//" named '"//name//"'", label, object=name)
       end if
    end subroutine check_reference
-
-   !> 'RIGID BODY|BEAM' as '*RIGID BODY or *BEAM'.
-   pure function alternatives(values) result(text)
-      character(*), intent(in) :: values
-      character(:), allocatable :: text
-      integer :: i
-      text = '*'
-      do i = 1, len(values)
-         if (values(i:i) == '|') then
-            text = text//' or *'
-         else
-            text = text//values(i:i)
-         end if
-      end do
-   end function alternatives
 
    !> Checks that the points of one object differ, and the parameters of a sweep.
    subroutine check_lines(deck, i, diagnostics)
@@ -203,18 +188,16 @@ contains
       type(deck_type), intent(in) :: deck
       integer, intent(in) :: i
       type(diagnostics_type), intent(inout) :: diagnostics
-      integer :: k, near
+      character(*), parameter :: otherwise = 'define it with *PARAMETER: name = value'
+      integer :: k
       do k = 1, size(deck%blocks(i)%lines)
          associate (field => deck%blocks(i)%lines(k)%fields(1), known => deck%parameters)
             if (known%find(field%text) > 0) cycle
-            near = 0
-            if (known%count > 0) near = nearest_name(field%text, known%items(:known%count)%name)
-            if (near > 0) then
-               call diagnostics%add(field%origin, "there is no parameter '"//field%text//"'", "did you mean '"// &
-                  & trim(known%items(near)%name)//"'?", about=field%text)
+            if (known%count == 0) then
+               call diagnostics%add(field%origin, "there is no parameter '"//field%text//"'", otherwise, about=field%text)
             else
                call diagnostics%add(field%origin, "there is no parameter '"//field%text//"'", &
-                  & 'define it with *PARAMETER: name = value', about=field%text)
+                  & suggestion(field%text, known%items(:known%count)%name, otherwise), about=field%text)
             end if
          end associate
       end do

@@ -4,7 +4,7 @@ module limber_deck_idle_options
    use limber_deck_content, only: block_type, option_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_origin, only: origin_type
-   use limber_deck_keywords, only: contains_value
+   use limber_deck_keywords, only: contains_value, alternatives
    use limber_deck_schema, only: option_spec_type, needed, kind_real, kind_positive, kind_nonnegative, kind_count, kind_counting
    implicit none
    private
@@ -84,25 +84,8 @@ contains
       else
          other = spec%only(:equals - 1)
          call diagnostics%add(origin, name//' means nothing with '//other//'='//block%word(other), 'leave it out; it is for '// &
-            & other//'='//alternatives(trim(spec%only(equals + 1:))))
+            & other//'='//alternatives(trim(spec%only(equals + 1:)), ''))
       end if
    end subroutine complain
-
-   !> 'GEAR|BELT|ROD' as 'GEAR, BELT or ROD'.
-   pure function alternatives(words) result(text)
-      character(*), intent(in) :: words
-      character(:), allocatable :: text
-      integer :: i
-      text = ''
-      do i = 1, len(words)
-         if (words(i:i) /= '|') then
-            text = text//words(i:i)
-         else if (index(words(i + 1:), '|') > 0) then
-            text = text//', '
-         else
-            text = text//' or '
-         end if
-      end do
-   end function alternatives
 
 end module limber_deck_idle_options

@@ -13,7 +13,7 @@ module limber_deck_keywords
    private
    public :: load_language, add_rows, find_keyword, keyword_options, keyword_fields, keyword_lists, keyword_words, &
       & keyword_example, &
-      & split_values, contains_value
+      & split_values, contains_value, alternatives
 
    !> The table, after `load_language`: all keywords in the order of the manual, all options in the order of their keywords
    type(keyword_type), allocatable, protected, public :: keyword_table(:)
@@ -435,6 +435,24 @@ contains
          first = first + bar
       end do
    end function split_values
+
+   !> 'GEAR|BELT|ROD' as 'GEAR, BELT or ROD'.
+   pure function alternatives(values, mark) result(text)
+      !> Words, and what is written before each
+      character(*), intent(in) :: values, mark
+      character(:), allocatable :: text
+      integer :: i
+      text = mark
+      do i = 1, len(values)
+         if (values(i:i) /= '|') then
+            text = text//values(i:i)
+         else if (index(values(i + 1:), '|') > 0) then
+            text = text//', '//mark
+         else
+            text = text//' or '//mark
+         end if
+      end do
+   end function alternatives
 
    !> Whether a word is in such a list.
    pure logical function contains_value(values, word)

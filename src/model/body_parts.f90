@@ -32,7 +32,7 @@ contains
          if (deck%blocks(i)%keyword == 'FRAME') then
             if (diagnostics%is_told(deck%blocks(i)%name())) owner = i
          else if (contains_value(part_keywords, deck%blocks(i)%keyword)) then
-            if (deck%blocks(i)%broken .or. is_behind_gap(deck, i)) owner = owner_of(deck, i)
+            if (deck%blocks(i)%broken .or. follows_unknown(deck, i)) owner = owner_of(deck, i)
             ! A BODY that is no frame may be meant for that above
             if (owner == 0 .and. deck%blocks(i)%broken .and. deck%blocks(i)%given('BODY')) owner = last_frame(deck, i)
          end if
@@ -53,12 +53,12 @@ contains
    end function last_frame
 
    !> Whether a block of an unknown keyword, perhaps that of its body, stands between a part and the last body above it.
-   pure logical function is_behind_gap(deck, block)
+   pure logical function follows_unknown(deck, block)
       type(deck_type), intent(in) :: deck
       integer, intent(in) :: block
-      is_behind_gap = .false.
-      if (.not. deck%blocks(block)%has('BODY')) is_behind_gap = any(deck%blocks(owner_of(deck, block) + 1:block)%behind_gap)
-   end function is_behind_gap
+      follows_unknown = .false.
+      if (.not. deck%blocks(block)%has('BODY')) follows_unknown = any(deck%blocks(owner_of(deck, block) + 1:block)%after_unknown)
+   end function follows_unknown
 
    !> Block of the body to which a part belongs: the body named by BODY, else the last body above the part; 0 if there is none.
    pure integer function owner_of(deck, block) result(owner)
@@ -82,7 +82,7 @@ contains
       integer :: i
       do i = 1, size(deck%blocks)
          if (.not. contains_value(part_keywords, deck%blocks(i)%keyword)) cycle
-         if (is_behind_gap(deck, i)) cycle
+         if (follows_unknown(deck, i)) cycle
          if (owner_of(deck, i) == 0 .and. .not. deck%blocks(i)%has('BODY')) call diagnostics%add(deck%blocks(i)%origin, &
             & '*'//deck%blocks(i)%keyword//' belongs to no body', 'put it below the body that it belongs to, or add BODY=')
       end do

@@ -1,7 +1,7 @@
 !> Frames as described by the deck: nodes, elements, sets, supports. Floor: model.
 module limber_model_frame_draft
    use limber_base_kinds, only: wp
-   use limber_base_text, only: as_text, lowercase, nearest_name
+   use limber_base_text, only: as_text, lowercase, suggestion
    use limber_base_names, only: name_index_type
    use limber_deck_content, only: deck_type, block_type, line_type
    use limber_deck_diagnostics, only: diagnostics_type
@@ -176,15 +176,15 @@ contains
                draft%section(n) = deck%find_named('SECTION', line%text(4))
                draft%open_sections = draft%open_sections .or. draft%section(n) == 0
                if (draft%section(n) == 0) call diagnostics%add(line%origin_of(4), "there is no *SECTION named '"// &
-                  & line%text(4)//"'", nearest_section(deck, line%text(4)), object=line%text(4))
+                  & line%text(4)//"'", section_remedy(deck, line%text(4)), object=line%text(4))
             end if
             if (block%has('ELSET')) call join_set(draft%member_sets, block%text('ELSET'), n)
          end associate
       end do
    end subroutine read_members
 
-   !> The section whose name is nearest, for a message.
-   function nearest_section(deck, name) result(text)
+   !> Remedy for an unknown section.
+   function section_remedy(deck, name) result(text)
       type(deck_type), intent(in) :: deck
       character(*), intent(in) :: name
       character(:), allocatable :: text
@@ -194,12 +194,8 @@ contains
       do i = 1, size(deck%blocks)
          if (deck%blocks(i)%keyword == 'SECTION') names(i) = deck%blocks(i)%name()
       end do
-      text = 'define it with *SECTION'
-      i = nearest_name(name, pack(names, names /= ''))
-      if (i == 0) return
-      names(:count(names /= '')) = pack(names, names /= '')
-      text = "did you mean '"//trim(names(i))//"'?"
-   end function nearest_section
+      text = suggestion(name, names, 'define it with *SECTION')
+   end function section_remedy
 
    !> Reports names that two points of a frame have.
    subroutine check_point_names(deck, frame, diagnostics)
@@ -209,8 +205,9 @@ contains
       type(diagnostics_type), intent(inout) :: diagnostics
       type(name_index_type) :: names
       type(origin_type), allocatable :: origins(:)
-      integer :: i, k, field
-      allocate (origins(0))
+      integer :: i, k, field, count
+      allocate (origins(sum([(size(deck%blocks(i)%lines), i=1, size(deck%blocks))])))
+      count = 0
       do i = 1, size(deck%blocks)
          field = 0
          if (i == frame) field = 1
@@ -235,8 +232,9 @@ contains
                & 'first defined here')
             return
          end if
-         origins = [origins, line%origin_of(field)]
-         call names%add(line%text(field), size(origins))
+         count = count + 1
+         origins(count) = line%origin_of(field)
+         call names%add(line%text(field), count)
       end subroutine claim
 
    end subroutine check_point_names
@@ -408,17 +406,13 @@ contains
       character(*), intent(in) :: name
       character(:), allocatable :: text
       integer :: i
-      i = nearest_name(lowercase(name), sets%name)
-      if (i > 0) then
-         text = "did you mean '"//trim(sets(i)%name)//"'?"
-         return
-      end if
       text = 'this frame has no sets; make one with *NSET or *ELSET'
       do i = 1, size(sets)
          if (any(sets(:i - 1)%name == sets(i)%name)) cycle
          if (i == 1) text = 'valid: '//trim(sets(i)%name)
          if (i > 1) text = text//', '//trim(sets(i)%name)
       end do
+      text = suggestion(name, sets%name, text)
    end function listed_sets
 
    !> Index of a number in the list; 0 and an error if it is not there.

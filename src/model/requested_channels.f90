@@ -1,7 +1,7 @@
 !> Channels of *OUTPUT with their units. Finds the quantities of their expressions in the model. Floor: model.
 module limber_model_requested_channels
    use limber_base_kinds, only: wp
-   use limber_base_text, only: as_text, lowercase, nearest_name
+   use limber_base_text, only: as_text, lowercase, nearest_name, suggestion
    use limber_deck_content, only: block_type, field_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_expression, only: slot_type
@@ -224,15 +224,13 @@ contains
       type(diagnostics_type), intent(inout) :: diagnostics
       character(64) :: names(size(model%controls))
       character(:), allocatable :: label, name
-      integer :: i, near, control
+      integer :: i, control
       do i = 1, size(names)
          names(i) = model%controls(i)%name
       end do
       name = slot%argument(:index(slot%argument//'.', '.') - 1)
       control = find_control(model, name)
-      near = nearest_name(name, names)
-      label = 'controls are defined by *CONTROL'
-      if (near > 0) label = "did you mean '"//trim(names(near))//"'?"
+      label = suggestion(name, names, 'controls are defined by *CONTROL')
       if (control > 0) label = "write the name of the control alone: output("//name//')'
       if (control > 0 .and. what == 'state') then
          label = "control '"//name//"' has no states"

@@ -7,7 +7,7 @@ module limber_scene_first_scene
    use limber_base_text, only: as_text, newline
    use limber_scene_damping_check, only: damping_warning
    use limber_scene_law_checks, only: check_laws
-   use limber_scene_moved_wholly, only: refuse_undriven
+   use limber_scene_kinematic_determinacy, only: refuse_undriven
    use limber_scene_integrator_choice, only: choose_integrator
    use limber_scene_speed_jumps, only: begin_behind
    use limber_scene_scene, only: scene_type, place_of, place_of_body, starts_with_dynamics, seconds_since

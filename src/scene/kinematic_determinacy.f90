@@ -1,6 +1,6 @@
-!> Whether drivers move the scene wholly, as *KINEMATICS and *INVERSE DYNAMICS need. If not, they are refused before anything runs,
-!> where that is known. Floor: scene. Source: doc/theory, eq. (6.1).
-module limber_scene_moved_wholly
+!> Kinematic determinacy: whether drivers give all motions, as *KINEMATICS and *INVERSE DYNAMICS need. If not, these are refused
+!> before anything runs, where that is known. Floor: scene. Source: doc/theory, eq. (6.1).
+module limber_scene_kinematic_determinacy
    use limber_base_text, only: as_text
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_model_model, only: step_kinematics, step_inverse
@@ -13,8 +13,8 @@ module limber_scene_moved_wholly
 
 contains
 
-   !> Reports the first analysis whose motion drivers do not give wholly. Behind other analyses the state is not known: there must
-   !> be at least as many equations as motions of frames, unless a switch changes them.
+   !> Reports the first analysis that lacks drivers. Behind other analyses the state is not known, and only the number of equations
+   !> counts: if there are fewer than motions of frames, drivers are missing, unless a switch changes the equations.
    subroutine refuse_undriven(scene, diagnostics)
       !> With its first state
       type(scene_type), intent(inout) :: scene
@@ -46,4 +46,4 @@ contains
       text = text//motion_text(scene%system, freedom%basis(:, 1))//' although no driver moves it'
    end function undriven_text
 
-end module limber_scene_moved_wholly
+end module limber_scene_kinematic_determinacy

@@ -6,9 +6,9 @@ module limber_monitor_frame_watch
    use limber_base_finite, only: dsyev
    use limber_monitor_drawing_in, only: start_drawing_in, find_drawing_in
    use limber_monitor_indicators, only: indicators_type, body_indicators_type, raise_peak, peak_compression, peak_tension, &
-      & peak_left_out, peak_geometric, peak_axial, peak_axial_grown, peak_stiffness, peak_layer, &
+      & peak_left_out, peak_axial, peak_axial_grown, peak_layer, &
       & peak_quartic, peak_quartic_grown, peak_membrane, peak_membrane_force, peak_pull, &
-      & peak_own_pull, peak_strained, peak_recoil, peak_drawn, sum_shortening, add_vibration, raise_recoil_force
+      & peak_own_pull, peak_strained, peak_recoil, peak_drawn, sum_shortening, add_geometric, add_vibration, raise_recoil_force
    use limber_monitor_membrane, only: start_membrane, find_membrane
    use limber_monitor_body_surveys, only: body_survey_type, take_amplitudes, is_base
    use limber_beam_elastic_forces, only: elastic_force
@@ -185,8 +185,7 @@ contains
       call raise_peak(self, peak_strained, strained/min(1.0_wp, weakest), t)
       call raise_peak(self, peak_compression, -self%value(1), t)
       call raise_peak(self, peak_tension, self%value(size(self%value)), t)
-      call raise_peak(self, peak_geometric, abs(work), t)
-      call raise_peak(self, peak_stiffness, elastic + max(work, 0.0_wp), t)
+      call add_geometric(self, work, elastic, t)
       call raise_peak(self, peak_axial, quick, t)
       call raise_peak(self, peak_axial_grown, lack, t)
       call raise_peak(self, peak_left_out, left_out, t)

@@ -23,8 +23,7 @@ module limber_monitor_indicators
    implicit none
    private
    public :: indicators_type, body_indicators_type, indicator_set_type, join_indicators, raise_peak, raise_recoil_force, &
-      & add_vibration, &
-      & indicator_value, indicator_time
+      & add_vibration, add_geometric, indicator_value, indicator_time
    public :: indicator_names, indicator_meanings, layer_errors, sudden_errors, drawn_parts, looks_at_jumps
 
    !> Kinds of indicators, those of a body in this order
@@ -34,13 +33,13 @@ module limber_monitor_indicators
       & indicator_drift = 14, indicator_elongation = 15, indicator_recoil = 16, indicator_buckling = 17, indicator_layer = 18, &
       & indicator_phase = 19, indicator_false_damping = 20, indicator_membrane = 21, &
       & indicator_reaction = 22, indicator_recoil_force = 23, indicator_drawn = 24, indicator_strain = 25, &
-      & indicator_sudden = 26, indicator_count = 26
+      & indicator_sudden = 26, indicator_stiffening = 27, indicator_count = 27
 
    !> Their names in results, and what they are
    character(*), parameter :: indicator_names(indicator_count) = [character(16) :: 'deflection', 'slope', 'rotation', &
       & 'compression', 'tension', 'pace', 'last_mode', 'residual', 'geometric', 'axial', 'coarseness', 'lumping', &
       & 'shortening', 'drift', 'elongation', 'recoil', 'buckling', 'layer', 'phase', 'false_damping', &
-      & 'membrane', 'membrane_force', 'recoil_force', 'drawn_in', 'strain', 'sudden']
+      & 'membrane', 'membrane_force', 'recoil_force', 'drawn_in', 'strain', 'sudden', 'stiffening']
    character(*), parameter :: indicator_meanings(indicator_count) = [character(120) :: &
       & 'largest deflection in the frame / length', &
       & 'largest slope in the frame', &
@@ -67,7 +66,8 @@ module limber_monitor_indicators
       & 'axial force by inertia that the shortening has and the model lacks / largest axial force or load, where it is asked for', &
       & 'displacement by which bending draws the body in and that the model lacks / largest one, where it is asked for', &
       & 'relative change of the deflection by the axial strain of what is compressed', &
-      & 'section forces and reactions of vibrations under sudden loads outside the coordinates / largest ones, where asked for']
+      & 'section forces and reactions of vibrations under sudden loads outside the coordinates / largest ones, where asked for', &
+      & 'shift of the vibrations / largest deflection, by the work of axial forces on the bending that the model lacks']
 
    !> Kinetic over elastic energy, as `indicator_pace`, below which a compression lasts long enough to buckle a beam
    real(wp), parameter, public :: slow = 0.3_wp
@@ -82,10 +82,10 @@ module limber_monitor_indicators
       & peak_recoil_force = 27, peak_recoil_kept = 28, peak_own_pull = 29, peak_drawn = 30, peak_along = 31, &
       & peak_strained = 32, peaks = 32
 
-   !> Sums over the states that were observed: kinetic and elastic energy of bending, that of the shortening, accelerations, and
-   !> squared coordinates of bending
+   !> Sums over the states that were observed: kinetic and elastic energy of bending, that of the shortening, accelerations,
+   !> squared coordinates of bending, and work of the axial forces on the bending
    integer, parameter, public :: sum_kinetic = 1, sum_elastic = 2, sum_shortening = 3, sum_acceleration = 4, &
-      & sum_bent = 5, sums = 5
+      & sum_bent = 5, sum_geometric = 6, sums = 6
 
    !> One flexible body, or one rigid beam
    type :: body_indicators_type
@@ -294,7 +294,7 @@ contains
             value = 0.0_wp
             if (size(self%modal) > 0) value = ratio(self%modal(size(self%modal)), peak(peak_energy))
          case (indicator_residual); value = ratio(peak(peak_left_out), peak(peak_left_out) + peak(peak_energy))
-         case (indicator_geometric); value = ratio(peak(peak_geometric), peak(peak_stiffness))
+         case (indicator_geometric); value = sqrt(ratio(peak(peak_geometric), peak(peak_stiffness)))
          case (indicator_axial)
             value = sqrt(ratio(peak(merge(peak_axial_grown, peak_axial, is_slow(self))), &
                & peak(peak_stiffness)))
@@ -306,7 +306,9 @@ contains
                & sqrt(ratio(peak(peak_lost), peak(peak_energy))))
          case (indicator_shortening)
             value = ratio(peak(merge(peak_quartic_grown, peak_quartic, is_slow(self))), peak(peak_stiffness))
-         case (indicator_drift); value = drift(self)
+         case (indicator_drift); value = vibration_shift(self, ratio(self%total(sum_shortening), self%total(sum_kinetic)))
+         case (indicator_stiffening); value = vibration_shift(self, 0.5_wp*ratio(abs(self%total(sum_geometric)), &
+            & self%total(sum_elastic)))
          case (indicator_recoil); value = ratio(peak(peak_recoil), peak(peak_stiffness))
          case (indicator_elongation); value = ratio(peak(peak_unstretched), max(peak(peak_stretch), peak(peak_deflection)))
          case (indicator_buckling); value = self%misfit*peak(peak_compression)/max(0.01_wp, abs(1 - peak(peak_compression)))
@@ -386,12 +388,13 @@ contains
       looks_at_jumps = size(self%functions%beams) > 0 .or. any(self%bodies%sudden%body > 0)
    end function looks_at_jumps
 
-   !> Phase by which the vibrations are ahead, as a part of the largest deflection: of a model without the inertia of the
-   !> shortening, eq. (7.21).
-   pure real(wp) function drift(self)
+   !> Phase by which the vibrations go wrong, as a part of the largest deflection, eqs. (7.21), (7.100).
+   pure real(wp) function vibration_shift(self, detuning) result(shift)
       type(body_indicators_type), intent(in) :: self
-      real(wp) :: frequency, vibrating, count, shift
-      drift = 0.0_wp
+      !> Relative error of the frequency
+      real(wp), intent(in) :: detuning
+      real(wp) :: frequency, vibrating, count
+      shift = 0.0_wp
       if (self%held) return
       associate (total => self%total)
          if (.not. (total(sum_kinetic) > 0.0_wp .and. self%peak(peak_bent) > 0.0_wp .and. total(sum_elastic) > 0.0_wp)) return
@@ -400,11 +403,23 @@ contains
          if (.not. (frequency > 0.0_wp .and. count > 0.0_wp)) return
          ! Sums and the largest are of the same states: their quotient needs the number of these
          vibrating = min(1.0_wp, sqrt(2*total(sum_kinetic)/self%looks)/(frequency*sqrt(self%peak(peak_bent))))
-         shift = total(sum_shortening)/total(sum_kinetic)
          ! Of a deflection that follows its loads little vibrates freely
-         drift = vibrating*frequency*count*shift*min(1.0_wp, frequency*sqrt(total(sum_bent)/total(sum_elastic)))
+         shift = vibrating*frequency*count*detuning*min(1.0_wp, frequency*sqrt(total(sum_bent)/total(sum_elastic)))
       end associate
-   end function drift
+   end function vibration_shift
+
+   !> Work of the axial forces on the bending: its share in the energy of bending, as an error of the deflection, and its sum,
+   !> eqs. (7.15), (7.100).
+   pure subroutine add_geometric(self, work, elastic, t)
+      type(body_indicators_type), intent(inout) :: self
+      !> Twice the work, and twice the elastic energy of bending, then; the time
+      real(wp), intent(in) :: work, elastic, t
+      real(wp) :: stiffness
+      stiffness = elastic + max(work, 0.0_wp)
+      call raise_peak(self, peak_stiffness, stiffness, t)
+      if (stiffness > 0.0_wp) call raise_peak(self, peak_geometric, work**2/stiffness, t)
+      self%total(sum_geometric) = self%total(sum_geometric) + work
+   end subroutine add_geometric
 
    !> Time of that value: of a quotient that of its numerator.
    pure real(wp) function indicator_time(self, kind) result(t)
@@ -423,7 +438,7 @@ contains
          t = 0.0_wp
          if (self%is_beam) t = self%time(peak_lost)
       case (indicator_shortening); t = self%time(peak_quartic)
-      case (indicator_drift); t = max(0.0_wp, self%span(2))
+      case (indicator_drift, indicator_stiffening); t = max(0.0_wp, self%span(2))
       case (indicator_recoil); t = self%time(peak_recoil)
       case (indicator_elongation); t = self%time(peak_unstretched)
       case (indicator_buckling); t = self%time(peak_compression)

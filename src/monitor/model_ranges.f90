@@ -9,7 +9,8 @@ module limber_monitor_model_ranges
    use limber_monitor_indicators, only: indicators_type, body_indicators_type, indicator_value, indicator_time, &
       & indicator_names, indicator_meanings, layer_errors, drawn_parts, peak_unstretched, peak_growth, slow, &
       & indicator_count, indicator_deflection, indicator_slope, indicator_rotation, &
-      & indicator_compression, indicator_pace, indicator_residual, indicator_geometric, indicator_axial, indicator_coarseness, &
+      & indicator_compression, indicator_pace, indicator_residual, indicator_geometric, indicator_stiffening, &
+      & indicator_axial, indicator_coarseness, &
       & indicator_lumping, indicator_shortening, indicator_drift, indicator_elongation, indicator_recoil, &
       & indicator_buckling, indicator_layer, indicator_phase, indicator_false_damping, indicator_membrane, indicator_reaction, &
       & indicator_recoil_force, indicator_drawn, indicator_strain, indicator_sudden, sudden_errors
@@ -66,7 +67,9 @@ contains
             limit = 1.0_wp
          end if
       case (indicator_geometric)
-         if (linear) limit = 0.05_wp
+         if (linear) limit = 0.03_wp
+      case (indicator_stiffening)
+         if (linear) limit = 0.03_wp
       case (indicator_axial)
          if (.not. linear) limit = 0.04_wp
       case (indicator_coarseness)
@@ -225,6 +228,11 @@ contains
       case (indicator_geometric)
          text = 'deflects under axial forces whose work on the bending is '//percent//' of its elastic energy'//when// &
             & ', and '//linear//' leaves it out'
+      case (indicator_stiffening)
+         percent = 'about '//percent
+         if (indicator_value(indicators, kind) > beyond) percent = 'more than '//as_text(100*beyond, 2)//' %'
+         text = 'vibrates long enough for the work of axial forces on its bending, which '//linear//' leaves out, to shift the'// &
+            & ' vibrations by '//percent//' of the largest deflection'//when
       case (indicator_axial)
          text = 'lacks axial force that changes its deflection by about '//percent//when
          if (indicators%held) then
@@ -370,7 +378,7 @@ contains
          text = 'use CORRECTIONS=YES, more MODES, or a *BOUNDARY that is like its joints'
          if (body%frame_choice%accelerations) text = 'use more MODES, or LARGE=YES'
       case (indicator_lumping, indicator_phase); text = 'use DIVISIONS='//as_text(ceiling(1.2_wp*divisions*sqrt(over)))
-      case (indicator_rotation, indicator_geometric); text = 'use GEOMETRIC=K_G'
+      case (indicator_rotation, indicator_geometric, indicator_stiffening); text = 'use GEOMETRIC=K_G'
       case (indicator_compression)
          text = 'use LARGE=YES'
          if (.not. body%reduced%geometric) text = 'use GEOMETRIC=K_G'

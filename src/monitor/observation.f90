@@ -3,11 +3,10 @@ module limber_monitor_observation
    use limber_base_kinds, only: wp
    use limber_beam_quasistatic_deflection, only: find_deflection
    use limber_monitor_indicators, only: indicators_type, body_indicators_type, raise_peak, peak_deflection, peak_slope, &
-      & peak_rotation, peak_compression, peak_tension, peak_energy, peak_kinetic, peak_left_out, peak_geometric, peak_axial, &
-      & peak_coarse, peak_stiffness, peak_lost, peak_quartic, peak_bent, peak_stretch, &
+      & peak_rotation, peak_compression, peak_tension, peak_energy, peak_kinetic, peak_left_out, peak_axial, &
+      & peak_coarse, peak_lost, peak_quartic, peak_bent, peak_stretch, &
       & peak_unstretched, peak_strained, peak_axial_grown, peak_coarse_grown, peak_quartic_grown, peak_growth, peak_pull, &
-      & peak_own_pull, &
-      & add_vibration, raise_recoil_force
+      & peak_own_pull, add_geometric, add_vibration, raise_recoil_force
    use limber_monitor_beam_shortening, only: add_shortening, observe_recoil, observe_drawn
    use limber_beam_monitored_sections, only: monitored_sections_type
    use limber_monitor_false_damping, only: observe_false_damping
@@ -390,8 +389,7 @@ contains
       call raise_peak(self, peak_compression, -load, t)
       call observe_growth(self, t, -load)
       call raise_peak(self, peak_tension, load, t)
-      call raise_peak(self, peak_geometric, abs(work), t)
-      call raise_peak(self, peak_stiffness, elastic + max(work, 0.0_wp), t)
+      call add_geometric(self, work, elastic, t)
       call raise_peak(self, peak_axial, lack, t)
       call raise_peak(self, peak_coarse, coarse, t)
       ! Where the bending follows slowly, a compression makes changes of the deflection larger

@@ -19,13 +19,11 @@ module limber_commands_sweep_plan
    use limber_deck_parameters, only: override_type, name_length
    use limber_deck_reader, only: read_deck
    use limber_deck_source, only: beside
+   use limber_deck_sweep_checks, only: most_rows
    use limber_model_run_scalars, only: add_usual_scalars
    implicit none
    private
    public :: sweep_type, swept_type, plan_sweep, read_setting, is_number, row_overrides
-
-   !> Most runs of a sweep
-   integer, parameter :: most_rows = 10000000
 
    !> Parameters that change together
    type :: swept_type
@@ -163,9 +161,6 @@ contains
          call read_setting(fields(1)%text//'='//text(2:), axis, ok)
          if (.not. ok) call diagnostics%add(fields(2)%origin, 'a range stands alone in its line, with at least two values', &
             & 'write numbers, or first:last:count')
-         if (ok .and. (axis%is_range .neqv. block%word('METHOD') == 'LATIN HYPERCUBE')) call diagnostics%add(fields(2)%origin, &
-            & 'METHOD='//block%word('METHOD')//' cannot use this', &
-            & 'first:last for LATIN HYPERCUBE; else numbers, or first:last:count')
       end associate
    end subroutine read_axis
 

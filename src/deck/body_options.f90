@@ -76,7 +76,8 @@ module limber_deck_body_options
       &    'N', '', 'largest tension: functions for the bending near ends and loads; default: what the deck tells of it', &
       &    models='EXACT'), &
       & option_spec_type('BEAM', 'MODES', kind_count, '', &
-      &    '', '6', 'number of modes: the lowest of bending and axial ones together', most=1000, models='MODES'), &
+      &    '', '6', 'number of modes: the lowest of bending and axial ones together', most=1000, models='MODES', &
+      &    only='-BENDING MODES'), &
       & option_spec_type('BEAM', 'BENDING MODES', kind_count, '', &
       &    '', '', 'number of bending modes; given, it replaces MODES', most=1000, models='MODES'), &
       & option_spec_type('BEAM', 'AXIAL MODES', kind_count, '', &

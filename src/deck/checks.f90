@@ -10,6 +10,9 @@ module limber_deck_checks
    use limber_deck_keywords, only: keyword_table, keyword_options, keyword_fields, find_keyword, contains_value, alternatives
    use limber_deck_content, only: deck_type, block_type, tell_block
    use limber_deck_idle_options, only: check_idle
+   use limber_deck_study_checks, only: check_study
+   use limber_deck_sweep_checks, only: check_sweep
+   use limber_deck_unused_objects, only: warn_of_unused
    implicit none
    private
    public :: check_deck
@@ -52,6 +55,7 @@ contains
       call check_ground(deck, diagnostics)
       call check_channels(deck, diagnostics)
       call explain_parameters(deck, diagnostics)
+      if (diagnostics%count == 0) call warn_of_unused(deck, diagnostics)
    end subroutine check_deck
 
    !> Reports a second block of a keyword that may occur once.
@@ -107,8 +111,7 @@ contains
       type(diagnostics_type), intent(inout) :: diagnostics
       type(origin_type), allocatable :: longer(:)
       integer :: i
-      if (scope == 'bodies' .and. name == 'ground' .or. scope == 'points of ground' .and. name == 'origin' .or. &
-         & scope == 'channels' .and. name == 'time') then
+      if (is_taken(scope, name)) then
          call diagnostics%add(origin, "the name '"//name//"' is reserved", 'give it another name')
          return
       end if
@@ -128,6 +131,22 @@ contains
       end if
       register%origins(i) = origin
    end subroutine claim
+
+   !> Whether a name has a meaning of its own in a scope: the ground and its origin; the whole in work(system); the time of
+   !> results; columns of a sweep's summary.
+   pure logical function is_taken(scope, name)
+      character(*), intent(in) :: scope, name
+      character(*), parameter :: columns(*) = [character(14) :: 'row', 'state', 'error_estimate', 'seconds', 'warnings', &
+         & 'history', 'message']
+      select case (scope)
+      case ('bodies'); is_taken = name == 'ground' .or. name == 'system'
+      case ('joints, drivers and loads'); is_taken = name == 'system'
+      case ('points of ground'); is_taken = name == 'origin'
+      case ('channels'); is_taken = name == 'time'
+      case ('scalars', 'parameters of the sweep'); is_taken = any(name == columns)
+      case default; is_taken = .false.
+      end select
+   end function is_taken
 
    !> Reports a reference to an object that does not exist or is of another kind.
    subroutine check_reference(deck, spec, name, origin, diagnostics)
@@ -168,40 +187,21 @@ contains
       end if
    end subroutine check_reference
 
-   !> Checks that the points of one object differ, and the parameters of a sweep.
+   !> Checks that the points of one object differ, the parameters of a sweep, and the lists of a study.
    subroutine check_lines(deck, i, diagnostics)
       type(deck_type), intent(in) :: deck
       integer, intent(in) :: i
       type(diagnostics_type), intent(inout) :: diagnostics
       type(register_type) :: register
+      if (deck%blocks(i)%keyword == 'STUDY' .and. diagnostics%count == 0) call check_study(deck, i, diagnostics)
+      if (deck%blocks(i)%keyword == 'SWEEP' .and. .not. deck%blocks(i)%broken) call check_sweep(deck, i, diagnostics)
       if (deck%blocks(i)%keyword == 'GROUND' .or. size(deck%blocks(i)%lines) == 0) return
       if (deck%blocks(i)%keyword == 'SWEEP') then
-         call check_swept(deck, i, diagnostics)
          call claim_points(deck, i, 'parameters of the sweep', register, diagnostics)
       else
          call claim_points(deck, i, 'points of '//deck%blocks(i)%name(), register, diagnostics)
       end if
    end subroutine check_lines
-
-   !> Reports parameters of a sweep that the deck does not define.
-   subroutine check_swept(deck, i, diagnostics)
-      type(deck_type), intent(in) :: deck
-      integer, intent(in) :: i
-      type(diagnostics_type), intent(inout) :: diagnostics
-      character(*), parameter :: otherwise = 'define it with *PARAMETER: name = value'
-      integer :: k
-      do k = 1, size(deck%blocks(i)%lines)
-         associate (field => deck%blocks(i)%lines(k)%fields(1), known => deck%parameters)
-            if (known%find(field%text) > 0) cycle
-            if (known%count == 0) then
-               call diagnostics%add(field%origin, "there is no parameter '"//field%text//"'", otherwise, about=field%text)
-            else
-               call diagnostics%add(field%origin, "there is no parameter '"//field%text//"'", &
-                  & suggestion(field%text, known%items(:known%count)%name, otherwise), about=field%text)
-            end if
-         end associate
-      end do
-   end subroutine check_swept
 
    !> Checks that the points of all *GROUND blocks differ.
    subroutine check_ground(deck, diagnostics)

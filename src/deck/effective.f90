@@ -143,6 +143,7 @@ contains
       model = ''
       if (block%keyword == 'BEAM') model = block%word('GEOMETRIC')
       if (block%keyword == 'FRAME') then
+         model = block%word('GEOMETRIC')
          if (block%yes('LARGE')) model = 'LARGE'
       end if
       line = '*'//block%keyword

@@ -4,11 +4,12 @@ module limber_deck_idle_options
    use limber_deck_content, only: block_type, option_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_origin, only: origin_type
-   use limber_deck_keywords, only: contains_value, alternatives
-   use limber_deck_schema, only: option_spec_type, needed, kind_real, kind_positive, kind_nonnegative, kind_count, kind_counting
+   use limber_deck_keywords, only: contains_value, alternatives, keyword_options
+   use limber_deck_schema, only: option_spec_type, needed, kind_real, kind_positive, kind_nonnegative, kind_count, kind_counting, &
+      & kind_yes
    implicit none
    private
-   public :: is_idle, check_idle
+   public :: is_idle, check_idle, gives_default
 
 contains
 
@@ -48,6 +49,22 @@ contains
       is_default = abs(option%value - value) <= 0.0_wp
       if (any(spec%kind == whole)) is_default = option%whole == nint(value)
    end function is_default
+
+   !> Whether a block gives an option the value that it has without being given. NO of an option without a default is that, too.
+   pure logical function gives_default(block, name)
+      type(block_type), intent(in) :: block
+      !> Of the option, in upper case
+      character(*), intent(in) :: name
+      type(option_spec_type), allocatable :: specs(:)
+      integer :: i
+      allocate (specs, source=keyword_options(block%keyword))
+      gives_default = .false.
+      do i = 1, size(specs)
+         if (specs(i)%name /= name) cycle
+         gives_default = is_default(block%options(i), specs(i))
+         if (specs(i)%kind == kind_yes .and. specs(i)%default == '') gives_default = block%options(i)%text == 'NO'
+      end do
+   end function gives_default
 
    !> Reports the first given option of a block that has no effect: the others may have none for the same reason. One that gives its
    !> default is no mistake.

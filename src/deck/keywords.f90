@@ -171,7 +171,8 @@ module limber_deck_keywords
       & option_spec_type('DYNAMICS', 'VELOCITIES', kind_word, 'KEPT|REST|DECK', &
       &    '', '', 'after another analysis: those at its end (default), none, or those that the deck gives the bodies'), &
       & option_spec_type('ACCURACY', 'ESTIMATE', kind_yes, '', &
-      &    '', 'NO', 'error of time integration beside each channel, by runs at other tolerances; no analysis but one *DYNAMICS'), &
+      &    '', 'NO', 'error of time integration beside each channel, by runs at other tolerances; no analysis but one *DYNAMICS', &
+      &    only='-TARGET'), &
       & option_spec_type('ACCURACY', 'TARGET', kind_positive, '', &
       &    '', '', 'error of channels by their largest values, for which limber chooses a model; of one *DYNAMICS alone'), &
       & option_spec_type('STUDY', 'REPEATS', kind_counting, '', &
@@ -185,7 +186,8 @@ module limber_deck_keywords
       & option_spec_type('SWEEP', 'METHOD', kind_word, 'GRID|PAIRS|LATIN HYPERCUBE', &
       &    '', 'GRID', 'all combinations; first values together, second ones, ...; or samples spread over ranges'), &
       & option_spec_type('SWEEP', 'FILE', kind_path, '', &
-      &    '', '', 'columns with the names of parameters above them (.csv); its rows count as one more line'), &
+      &    '', '', 'columns with the names of parameters above them (.csv); its rows count as one more line', &
+      &    only='METHOD=GRID|PAIRS'), &
       & option_spec_type('SWEEP', 'SAMPLES', kind_counting, '', '', '100', 'LATIN HYPERCUBE: number of runs', most=100000, &
       &    only='METHOD=LATIN HYPERCUBE'), &
       & option_spec_type('SWEEP', 'SEED', kind_counting, '', '', '1', 'LATIN HYPERCUBE: another number, other samples', &

@@ -1,5 +1,6 @@
 !> Linear couplings of joint coordinates: *COUPLER. Floor: elements. Source: doc/theory, eq. (3.21).
 module limber_elements_coupler
+   use limber_base_kinds, only: wp
    use limber_deck_content, only: deck_type, block_type, line_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_schema, only: keyword_type, option_spec_type, field_spec_type, word_spec_type, keyword_rows_type, many, needed, &
@@ -92,6 +93,8 @@ contains
          return
       end if
       term%coefficient = line%fields(1)%expression%constant_value()
+      if (.not. abs(term%coefficient) > 0.0_wp) call diagnostics%add(line%origin_of(1), "a coefficient of coupler '"// &
+         & block%name()//"' is 0, and couples nothing", 'leave this line out, or give another number')
       select case (line%text(2))
       case ('angle'); term%kind = coordinate_angle
       case ('joint_angle'); term%kind = coordinate_joint_angle

@@ -13,6 +13,7 @@ module limber_model_frames
    use limber_beam_beam_reduction, only: fidelity_linear, fidelity_kg
    use limber_model_element_effects, only: acting_points
    use limber_model_points_of_action, only: acting_type
+   use limber_model_beam_options, only: warn_of_rigid
    use limber_model_bodies, only: new_body, append_body, is_new_point, warn_of_rounding
    use limber_model_frame_draft, only: draft_type, read_draft, member_of, node_named
    use limber_model_body_parts, only: is_part
@@ -48,6 +49,7 @@ contains
       body%is_frame = .true.
       call read_draft(deck, index, draft, diagnostics)
       if (diagnostics%count > before) return
+      if (deck%blocks(index)%word('GEOMETRIC') == 'RIGID') call warn_of_rigid(deck, index, diagnostics)
       call settle_options(deck, index, draft)
       call mesh(deck, index, draft, body, diagnostics)
       usable = diagnostics%count == before

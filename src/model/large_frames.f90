@@ -89,7 +89,7 @@ contains
          if (.not. is_part(deck, i, index)) cycle
          select case (deck%blocks(i)%keyword)
          case ('ELEMENT'); call look(deck%blocks(i), 'DIVISIONS')
-         case ('ATTACHMENT'); call warn(deck%blocks(i)%origin, '*'//deck%blocks(i)%keyword)
+         case ('ATTACHMENT', 'BOUNDARY'); call warn(deck%blocks(i)%origin, '*'//deck%blocks(i)%keyword)
          end select
       end do
 

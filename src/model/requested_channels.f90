@@ -21,7 +21,7 @@ module limber_model_requested_channels
       & body_flexible, ground, coordinate_displacement, driver_angle, driver_joint_angle
    implicit none
    private
-   public :: add_channels, find_quantity, flexible_instead
+   public :: add_channels, check_expressions, check_studied, find_quantity, flexible_instead
 
    !> Dimension of an energy: exponents of length, time and mass
    integer, parameter :: energy(3) = [2, -2, 1]
@@ -51,6 +51,44 @@ contains
          end do
       end do
    end subroutine add_channels
+
+   !> Reports unknown quantities and objects in named expressions, whether these are used or not.
+   subroutine check_expressions(block, model, diagnostics)
+      !> *EXPRESSION
+      type(block_type), intent(in) :: block
+      type(model_type), intent(in) :: model
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(quantity_type) :: unused
+      integer :: i, j, k
+      do i = 1, size(block%lines)
+         do j = 1, size(block%lines(i)%fields)
+            do k = 1, size(block%lines(i)%fields(j)%expression%slots)
+               call find_quantity(block%lines(i)%fields(j)%expression%slots(k), model, unused, diagnostics)
+            end do
+         end do
+      end do
+   end subroutine check_expressions
+
+   !> Reports channels of a study that *OUTPUT does not ask for.
+   subroutine check_studied(block, model, diagnostics)
+      !> *STUDY
+      type(block_type), intent(in) :: block
+      type(model_type), intent(in) :: model
+      type(diagnostics_type), intent(inout) :: diagnostics
+      character(64) :: names(model%counts%channels)
+      integer :: i, k
+      do i = 1, size(names)
+         names(i) = model%channels(i)%name
+      end do
+      do i = 1, size(block%lines)
+         if (block%lines(i)%text(1) /= 'channels') cycle
+         do k = 2, block%lines(i)%count()
+            if (find_named(model, 'channel', lowercase(block%lines(i)%text(k))) > 0) cycle
+            call diagnostics%add(block%lines(i)%origin_of(k), "there is no channel '"//block%lines(i)%text(k)//"'", &
+               & suggestion(block%lines(i)%text(k), names, 'channels are those of *OUTPUT'), object=block%lines(i)%text(k))
+         end do
+      end do
+   end subroutine check_studied
 
    !> Makes a channel from a field of the deck.
    subroutine new_channel(field, model, channel, diagnostics)

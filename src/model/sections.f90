@@ -6,7 +6,7 @@ module limber_model_sections
    use limber_deck_diagnostics, only: diagnostics_type
    implicit none
    private
-   public :: read_section, section_between, shear_factor, curved_inertia, check_material
+   public :: read_section, section_between, shear_factor, curved_inertia, check_material, check_section
 
    real(wp), parameter :: pi = acos(-1.0_wp)
 
@@ -21,6 +21,14 @@ contains
       if (.not. (ratio > -1.0_wp .and. ratio <= 0.5_wp)) call diagnostics%add(block%origin_of('POISSON'), &
          & 'no elastic material has POISSON='//as_text(ratio), 'give a number above -1 and at most 0.5')
    end subroutine check_material
+
+   !> Reports what is wrong with a section, whether a beam uses it or not.
+   subroutine check_section(block, diagnostics)
+      type(block_type), intent(in) :: block
+      type(diagnostics_type), intent(inout) :: diagnostics
+      real(wp) :: unused(4)
+      call read_section(block, unused, diagnostics)
+   end subroutine check_section
 
    !> Area, second moment of area, and distances of the extreme fibres.
    subroutine read_section(block, strength, diagnostics)

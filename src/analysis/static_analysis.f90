@@ -484,7 +484,7 @@ contains
       call load_scene(scene, step, statics%part, statics)
       if (.not. allocated(outcome%warnings)) outcome%warnings = ''
       outcome%warnings = outcome%warnings//function_load_warning(scene%system, scene%work, statics%balance, t, statics%q, &
-         & statics%lambda, motion)
+         & statics%lambda, motion, statics%taken)
    end subroutine check_load
 
    !> Warns where exact beams are too stiff under the last loads, and of what bodies with modes lack in the channels.

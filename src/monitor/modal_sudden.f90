@@ -11,7 +11,7 @@ module limber_monitor_modal_sudden
    use limber_base_error, only: error_type
    use limber_beam_force_recovery, only: recovery_type, internal_forces
    use limber_model_force_sections, only: recover_points
-   use limber_model_model, only: driver_angle
+   use limber_model_model, only: driver_angle, driver_joint_angle
    use limber_monitor_function_fading, only: fading_type, fading_of, faded, late_part
    use limber_monitor_function_sudden, only: at_rest, at_start, before_break, behind_break, opposite, share
    use limber_model_quantities, only: quantity_force_x, quantity_force_y, quantity_force_1, quantity_force_2, quantity_moment, &
@@ -234,7 +234,7 @@ contains
             self%largest(5) = max(self%largest(5), abs(joint_moment(system, work, self%joints(i), q)))
          end do
          do i = 1, size(self%drivers)
-            j = merge(5, 4, system%model%drivers(self%drivers(i))%kind == driver_angle)
+            j = merge(5, 4, any(system%model%drivers(self%drivers(i))%kind == [driver_angle, driver_joint_angle]))
             self%largest(j) = max(self%largest(j), abs(driver_effort(system, work, self%drivers(i))))
          end do
          call gather_modal(self%effort, system, work, self%body, q, v, a)

@@ -476,6 +476,9 @@ contains
       call tell_part('a motor', arm//modes//'4'//nl//'*JOINT, NAME=w, TYPE=REVOLUTE'//nl//' b.start, ground.origin'//nl// &
          & '*DRIVER, NAME=d, TYPE=ANGLE, BODY=b'//nl//' 0.01*smoothstep(t/0.04)'//nl// &
          & '*DYNAMICS, END=0.5, OUTPUTS=600, TOLERANCE=1e-7'//nl//'*OUTPUT'//nl//' torque(d)'//nl, 'moments of joints', 0.0_wp)
+      call tell_part('a motor of a joint', arm//modes//'4'//nl//'*JOINT, NAME=w, TYPE=REVOLUTE'//nl//' b.start, ground.origin'// &
+         & nl//'*DRIVER, NAME=d, TYPE=ANGLE, JOINT=w'//nl//' 0.01*smoothstep(t/0.04)'//nl// &
+         & '*DYNAMICS, END=0.5, OUTPUTS=600, TOLERANCE=1e-7'//nl//'*OUTPUT'//nl//' torque(d)'//nl, 'moments of joints', 0.0_wp)
       call tell_part('a spring behind another load', arm//modes//'3'//weld//'*GROUND'//nl//' e, 1, -0.5'//nl// &
          & '*RIGID BODY, NAME=far, MASS=1, INERTIA=1, Y=5'//nl//'*TORQUE, NAME=t, BODY=far'//nl//' 1'//nl// &
          & '*GRAVITY'//nl//'*SPRING, NAME=sp, STIFFNESS=1e5, LENGTH=0.5'//nl//' b.end, ground.e'//nl//struck//'*OUTPUT'//nl// &

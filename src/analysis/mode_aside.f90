@@ -21,6 +21,7 @@ module limber_analysis_mode_aside
    implicit none
    private
    public :: compare_aside, compare_functions
+   public :: rich_type, look_aside, mapped_shapes, parts_of, least
 
    !> Largest relative error of a frequency that is not told, and above which it is only told as more than that
    real(wp), parameter :: little = 0.02_wp, beyond = 0.5_wp

@@ -31,6 +31,8 @@ module limber_analysis_damped_aside
       !> Relative error of the frequency and of the damping ratio of the worst mode, which one, and that of the second scene
       real(wp) :: error(2) = 0.0_wp
       integer :: mode = 0, like = 0, others = 0
+      !> A vibration of the second scene within the list that is not in it; 0: none
+      integer :: lacking = 0
    end type verdict_type
 
 contains
@@ -63,9 +65,9 @@ contains
       end do
       if (.not. rich%done) return
       call judge(scene, own, listed, rich, verdict)
-      if (verdict%mode == 0) return
+      if (verdict%like == 0) return
       body = worst_body(scene, rich, verdict%like)
-      text = words(scene, step, own, verdict, body)//remedy()//newline
+      text = words(scene, step, own, rich, verdict, body)//remedy()//newline
 
    contains
 
@@ -87,7 +89,7 @@ contains
             allocate (trial)
             call look_aside(scene, step, all_damping, level, extra, trial)
             if (trial%done) call judge_lists(trial, rich, listed, left)
-            if (trial%done .and. left%mode == 0) exit
+            if (trial%done .and. left%like == 0) exit
             deallocate (trial)
          end do
          cure = '; use '//richer_words(scene, body, min(choice, with_both), extra)
@@ -150,7 +152,7 @@ contains
       largest = maxval(hypot(own%frequency, own%growth))
       do j = 1, size(parts, 1)
          ! A motion that nothing resists
-         if (hypot(own%frequency(j), own%growth(j)) <= 1.0e-5_wp*largest) cycle
+         if (speed_of(own, j) <= 1.0e-5_wp*largest) cycle
          r = maxloc(parts(j, :), dim=1)
          if (parts(j, r) < alike) r = minloc(abs(cmplx(own%growth(j), own%frequency(j), wp) &
             & - cmplx(rich%vibrations%growth, rich%vibrations%frequency, wp)), dim=1)
@@ -162,14 +164,29 @@ contains
          verdict%mode = j
          verdict%like = r
       end do
+      j = size(parts, 1)
+      do r = 1, size(parts, 2)
+         if (speed_of(rich%vibrations, r) > (1 - little)*speed_of(own, j) .or. sum(parts(:, r)) >= alike) cycle
+         if (speed_of(rich%vibrations, r) <= 1.0e-5_wp*largest) cycle
+         verdict%lacking = r
+         if (verdict%mode == 0) verdict%like = r
+         exit
+      end do
    end subroutine judge_shapes
+
+   !> |s| of a vibration [1/time].
+   pure real(wp) function speed_of(vibrations, j) result(speed)
+      type(vibrations_type), intent(in) :: vibrations
+      integer, intent(in) :: j
+      speed = hypot(vibrations%frequency(j), vibrations%growth(j))
+   end function speed_of
 
    !> Relative errors of a frequency and of its damping ratio, eq. (7.101).
    pure function errors(own, j, others, r) result(error)
       type(vibrations_type), intent(in) :: own, others
       integer, intent(in) :: j, r
       real(wp) :: error(2), speed(2), ratio(2)
-      speed = max([hypot(own%frequency(j), own%growth(j)), hypot(others%frequency(r), others%growth(r))], tiny(1.0_wp))
+      speed = max([speed_of(own, j), speed_of(others, r)], tiny(1.0_wp))
       ratio = -[own%growth(j), others%growth(r)]/speed
       error(1) = abs(own%frequency(j) - others%frequency(r))/speed(2)
       error(2) = abs(ratio(1) - ratio(2))/max(abs(ratio(2)), tiny(1.0_wp))
@@ -189,21 +206,28 @@ contains
    end function worst_body
 
    !> What is wrong, with which body.
-   function words(scene, step, own, verdict, body) result(text)
+   function words(scene, step, own, rich, verdict, body) result(text)
       type(scene_type), intent(in) :: scene
       type(analysis_step_type), intent(in) :: step
       type(vibrations_type), intent(in) :: own
+      type(rich_type), intent(in) :: rich
       type(verdict_type), intent(in) :: verdict
       integer, intent(in) :: body
       character(:), allocatable :: text
       associate (model => scene%system%model)
-         text = 'warning: mode '//as_text(verdict%mode)//" of *MODES '"//step%name//"', at "// &
-            & as_text(hypot(own%frequency(verdict%mode), own%growth(verdict%mode)), 4)//' rad/'//model%units%time//' with damping,'
-         if (verdict%others > 0) text = text//' (and '//as_text(verdict%others)//' more)'
-         text = text//' errs'
-         if (verdict%error(1) > little) text = text//' in its frequency by '//size_words(verdict%error(1))
-         if (verdict%error(1) > little .and. verdict%error(2) > little_ratio) text = text//' and'
-         if (verdict%error(2) > little_ratio) text = text//' in its damping ratio by '//size_words(verdict%error(2))
+         text = "warning: the list of *MODES '"//step%name//"'"
+         if (verdict%mode > 0) then
+            text = 'warning: mode '//as_text(verdict%mode)//" of *MODES '"//step%name//"', at "// &
+               & as_text(speed_of(own, verdict%mode), 4)//' rad/'//model%units%time//' with damping,'
+            if (verdict%others > 0) text = text//' (and '//as_text(verdict%others)//' more)'
+            text = text//' errs'
+            if (verdict%error(1) > little) text = text//' in its frequency by '//size_words(verdict%error(1))
+            if (all(verdict%error > [little, little_ratio])) text = text//' and'
+            if (verdict%error(2) > little_ratio) text = text//' in its damping ratio by '//size_words(verdict%error(2))
+            if (verdict%lacking > 0) text = text//', and the list'
+         end if
+         if (verdict%lacking > 0) text = text//' lacks a mode at about '//as_text(speed_of(rich%vibrations, verdict%lacking), 4)// &
+            & ' rad/'//model%units%time
          text = text//': '//trim(merge('frame', 'beam ', model%bodies(body)%is_frame))//" '"//name_in_deck(model, body)// &
             & "' cannot take the shape in which dampers bend it with its "//as_text(model%bodies(body)%reduced%n)//' coordinates'
       end associate

@@ -1,6 +1,6 @@
 !> Check of damped vibrations by a second scene. Forces of dampers bend bodies in shapes that their coordinates may not have, which
 !> vibrations without damping do not show: the damped vibrations of a scene with more coordinates, about the same state, are
-!> matched with those that are listed by their shapes. Floor: analysis. Source: doc/theory, eqs. (6.8), (7.49), (7.101).
+!> matched with those that are listed by their shapes. Floor: analysis. Source: doc/theory, eqs. (6.8), (7.49), (7.100).
 module limber_analysis_damped_aside
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text, newline
@@ -181,7 +181,7 @@ contains
       speed = hypot(vibrations%frequency(j), vibrations%growth(j))
    end function speed_of
 
-   !> Relative errors of a frequency and of its damping ratio, eq. (7.101).
+   !> Relative errors of a frequency and of its damping ratio, eq. (7.100).
    pure function errors(own, j, others, r) result(error)
       type(vibrations_type), intent(in) :: own, others
       integer, intent(in) :: j, r

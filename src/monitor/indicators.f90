@@ -388,7 +388,7 @@ contains
       looks_at_jumps = size(self%functions%beams) > 0 .or. any(self%bodies%sudden%body > 0)
    end function looks_at_jumps
 
-   !> Phase by which the vibrations go wrong, as a part of the largest deflection, eqs. (7.21), (7.100).
+   !> Phase by which the vibrations go wrong, as a part of the largest deflection, eq. (7.21).
    pure real(wp) function vibration_shift(self, detuning) result(shift)
       type(body_indicators_type), intent(in) :: self
       !> Relative error of the frequency
@@ -409,7 +409,7 @@ contains
    end function vibration_shift
 
    !> Work of the axial forces on the bending: its share in the energy of bending, as an error of the deflection, and its sum,
-   !> eqs. (7.15), (7.100).
+   !> eq. (7.15).
    pure subroutine add_geometric(self, work, elastic, t)
       type(body_indicators_type), intent(inout) :: self
       !> Twice the work, and twice the elastic energy of bending, then; the time

@@ -28,6 +28,8 @@ module limber_monitor_model_ranges
       & 'forces of joints', 'moments of joints']
    !> Part of the length below which a deflection is none, and part of the largest one of the scene below which it does not matter
    real(wp), parameter :: nothing = 1.0e-9_wp, negligible = 1.0e-3_wp
+   !> Part of the length that no place shows
+   real(wp), parameter :: unseen = 1.0e-5_wp
    !> Growth of a small deflection under a compression beyond Euler's load, as a logarithm, that makes it large
    real(wp), parameter :: much = 2.0_wp
    !> Shift of vibrations beyond which only this is told
@@ -46,7 +48,7 @@ contains
       !> One of indicator_...
       integer, intent(in) :: kind
       logical :: linear
-      real(wp) :: limit
+      real(wp) :: limit, deflection
       if (indicators%is_rigid) then
          excess = rigid_excess(indicators, kind)
          return
@@ -74,7 +76,9 @@ contains
          if (.not. linear) limit = 0.04_wp
       case (indicator_coarseness)
          if (.not. linear) limit = 0.05_wp
-      case (indicator_residual, indicator_lumping)
+      case (indicator_residual)
+         limit = 0.015_wp
+      case (indicator_lumping)
          limit = 0.05_wp
       case (indicator_shortening)
          limit = 0.03_wp
@@ -100,7 +104,11 @@ contains
          if (.not. indicators%peak(peak_unstretched) > max(nothing, indicators%noise)) excess = 0.0_wp
          return
       end if
-      if (.not. indicator_value(indicators, indicator_deflection) > max(nothing, indicators%noise)) excess = 0.0_wp
+      deflection = indicator_value(indicators, indicator_deflection)
+      if (.not. deflection > max(nothing, indicators%noise)) excess = 0.0_wp
+      ! Phase of vibrations too small to be seen in places; internal forces show them
+      if (kind == indicator_stiffening .and. deflection*excess*limit < unseen .and. .not. any([indicators%shows_shear, &
+         & indicators%shows_moment, indicators%shows_axial])) excess = 0.0_wp
    end function excess
 
    !> Whether the axial force in its axial functions softens a body much.

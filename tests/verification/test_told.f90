@@ -40,6 +40,7 @@ program test_told
    call check_centre()
    call check_massless()
    call check_damped()
+   call check_dampers()
    call check_sudden()
    call check_fast()
    call finish()
@@ -269,6 +270,45 @@ contains
          end do
       end do
    end subroutine check_damped
+
+   !> Cantilever with a damper that turns its end: frequencies of modes 2 and 3 by finite elements of another program. Modes without
+   !> responses miss them by 8 and 10 %, and that is told with its size; with responses they are right, and nothing is told.
+   subroutine check_dampers()
+      character(*), parameter :: bases(2) = [character(17) :: '', ', CORRECTIONS=YES']
+      real(wp), parameter :: right(2) = [444.38_wp, 1109.92_wp]
+      type(error_type), allocatable :: error
+      real(wp) :: frequency(6), off
+      integer :: i, told
+      do i = 1, size(bases)
+         call run_text('*MATERIAL, NAME=st, YOUNG=2.1e11, DENSITY=7850'//nl// &
+            & '*SECTION, NAME=w, SHAPE=RECTANGLE, WIDTH=0.04, HEIGHT=0.01'//nl//'*GROUND'//nl//' e, 1, 0'//nl// &
+            & '*BEAM, NAME=b, MATERIAL=st, SECTION=w, LENGTH=1, GEOMETRIC=K_G, SUPPORT=CLAMPED-FREE, ELEMENTS=80'// &
+            & trim(bases(i))//nl//'*JOINT, NAME=j, TYPE=WELD'//nl//' b.start, ground.origin'//nl// &
+            & '*BUSHING, NAME=bu, DAMPING Y=0, DAMPING ROTATION=20'//nl//' b.end, ground.e'//nl// &
+            & '*MODES, NUMBER=6, DAMPED=YES'//nl//'*OUTPUT'//nl//' x(b.end)'//nl, trim(results), report, error)
+         call check_no_error(error, 'dampers')
+         if (allocated(error)) return
+         frequency = frequencies_of(report)
+         ! The first one is a motion that creeps
+         off = maxval(abs(frequency(3:4)/right - 1))
+         told = index(report, 'errs in its frequency by about 11 % and in its damping ratio by more than 50 %: beam')
+         if (i == 1) call check(off > 0.08_wp .and. told > 0 .and. index(report, 'CORRECTIONS=YES') > 0, 'dampers: '//report)
+         if (i == 2) call check(off < 1.0e-3_wp .and. index(report, 'errs in its') == 0, 'dampers with responses: '//report)
+      end do
+   end subroutine check_dampers
+
+   !> Frequencies of the table of a report [rad/time].
+   function frequencies_of(text) result(frequency)
+      character(*), intent(in) :: text
+      real(wp) :: frequency(6)
+      integer :: at, number, i
+      frequency = 0.0_wp
+      at = index(text, 'damping ratio'//nl) + len('damping ratio'//nl)
+      do i = 1, size(frequency)
+         read (text(at:), *) number, frequency(i)
+         at = at + index(text(at:), nl)
+      end do
+   end function frequencies_of
 
    !> The sway of a portal frame at 0.95 of its critical load, by 80 elements a member with the shortening by slopes, of another
    !> program: with three modes and none of the responses it is 2.9 % too small, and that is told; without both words it is right.

@@ -24,8 +24,8 @@ module limber_monitor_model_ranges
    character(*), parameter :: held_apart = ': its joints or its other members hold the ends of members apart as these bend'
    !> Forces that err near ends under tension, and under sudden loads
    character(*), parameter :: layer_names(3) = [character(17) :: 'shear forces', 'bending moments', 'moments of joints'], &
-      & sudden_names(5) = [character(17) :: 'axial forces', 'shear forces', 'bending moments', &
-      & 'forces of joints', 'moments of joints']
+      & sudden_names(5) = [character(29) :: 'axial forces', 'shear forces', 'bending moments', &
+      & 'forces of joints and drivers', 'moments of joints and drivers']
    !> Part of the length below which a deflection is none, and part of the largest one of the scene below which it does not matter
    real(wp), parameter :: nothing = 1.0e-9_wp, negligible = 1.0e-3_wp
    !> Part of the length that no place shows

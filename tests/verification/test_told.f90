@@ -558,7 +558,7 @@ contains
             from = from + to - 1
             part = 0.5_wp
             to = index(report(from:), 'about ')
-            if (to > 0 .and. to < len(kind) + 12) then
+            if (to > 0 .and. to < len(kind) + 24) then
                from = from + to + len('about ') - 2
                to = from - 2 + index(report(from:), '%')
                read (report(from:to), *) part

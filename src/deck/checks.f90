@@ -189,7 +189,7 @@ contains
 
    !> Checks that the points of one object differ, the parameters of a sweep, and the lists of a study.
    subroutine check_lines(deck, i, diagnostics)
-      type(deck_type), intent(in) :: deck
+      type(deck_type), intent(inout) :: deck
       integer, intent(in) :: i
       type(diagnostics_type), intent(inout) :: diagnostics
       type(register_type) :: register

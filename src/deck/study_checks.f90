@@ -1,5 +1,6 @@
 !> Checks of *STUDY: lists that cannot be meant of the beams that it varies, before anything runs. Floor: deck.
 module limber_deck_study_checks
+   use limber_base_kinds, only: wp
    use limber_deck_content, only: deck_type
    use limber_deck_diagnostics, only: diagnostics_type
    implicit none
@@ -22,6 +23,8 @@ contains
       integer, allocatable :: beams(:)
       integer :: i, k
       allocate (beams, source=study_beams(deck, index))
+      if (deck%blocks(index)%real('ERROR') >= 1.0_wp) call diagnostics%add(deck%blocks(index)%origin_of('ERROR'), &
+         & 'no error that can be aimed at', 'give a relative error below 1')
       associate (lines => deck%blocks(index)%lines)
          do i = 1, size(lines)
             k = place_of(deck, index, lines(i)%text(1))

@@ -88,6 +88,8 @@ contains
          end do
          call name_load(model, block%name(), size(model%load_parts) - 2)
          call describe_load(model, holds_sections=.true.)
+         model%loads(size(model%loads))%resists = [(block%given('STIFFNESS '//trim(ends(k))) .or. &
+            & block%given('DAMPING '//trim(ends(k))), k=1, 3)]
       end associate
    end subroutine read
 

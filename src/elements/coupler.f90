@@ -7,6 +7,7 @@ module limber_elements_coupler
       & kind_name, kind_time_expression, form_fields
    use limber_model_beam_segments, only: find_frame
    use limber_model_element, only: element_type
+   use limber_model_joint_coordinates, only: check_coordinate
    use limber_model_joint_list, only: new_joint, find_joint, warn_along
    use limber_model_model, only: model_type, term_type, body_point, coordinate_angle, coordinate_joint_angle, &
       & coordinate_displacement
@@ -70,7 +71,11 @@ contains
                cycle
             end if
             call read_term(block, block%lines(i), model, term, diagnostics)
-            if (term%of > 0) model%joints(joint)%terms = [model%joints(joint)%terms, term]
+            if (term%of == 0) cycle
+            if (any(model%joints(joint)%terms%kind == term%kind .and. model%joints(joint)%terms%of == term%of)) call &
+               & diagnostics%add(block%lines(i)%origin_of(2), block%lines(i)%text(2)//' of '//block%lines(i)%text(3)// &
+               & " stands twice in coupler '"//block%name()//"'", 'add the two coefficients in one line')
+            model%joints(joint)%terms = [model%joints(joint)%terms, term]
          end do
          if (diagnostics%count > before) return
          if (size(model%joints(joint)%terms) == 0) call diagnostics%add(block%origin, "coupler '"//block%name()// &
@@ -121,8 +126,9 @@ contains
          term%of = find_joint(model, line%text(3))
          if (term%of == 0) call diagnostics%add(line%origin_of(3), "there is no joint '"//line%text(3)//"'", &
             & object=line%text(3))
-         if (term%of > 0 .and. term%kind == coordinate_displacement) &
-            & call warn_along(model, term%of, line%origin_of(3), diagnostics)
+         if (term%of == 0) return
+         call check_coordinate(model%joints(term%of), term%kind, line%origin_of(2), diagnostics)
+         if (term%kind == coordinate_displacement) call warn_along(model, term%of, line%origin_of(3), diagnostics)
       end if
    end subroutine read_term
 

@@ -9,11 +9,13 @@ module limber_elements_driver
    use limber_model_driver_list, only: append_driver
    use limber_model_element, only: element_type
    use limber_model_held_ends, only: hold_type, note
+   use limber_model_joint_coordinates, only: check_coordinate
    use limber_model_joint_list, only: find_joint, warn_along
    use limber_model_law_breaks, only: law_breaks, law_stations
    use limber_model_law_integrals, only: integrate
    use limber_model_model, only: model_type, driver_type, ground, driver_angle, driver_joint_angle, driver_distance, &
-      & driver_displacement, driver_x, driver_y
+      & driver_displacement, driver_x, driver_y, coordinate_joint_angle, coordinate_displacement
+   use limber_model_load_parts, only: keep_distance
    use limber_model_points, only: find_point
    use limber_model_points_of_action, only: acting_type, enter, along_joint, has_pair, body_of, point_of, first_angle, nearly
    implicit none
@@ -137,9 +139,12 @@ contains
       case ('ANGLE')
          if (joint > 0) kind = driver_joint_angle
          call need((joint > 0) .neqv. (body > 0), 'BODY or JOINT, one of the two')
+         if (ok .and. joint > 0) call check_coordinate(model%joints(joint), coordinate_joint_angle, block%origin_of('JOINT'), &
+            & diagnostics)
       case ('DISPLACEMENT')
          kind = driver_displacement
          call need(joint > 0, 'JOINT')
+         if (ok) call check_coordinate(model%joints(joint), coordinate_displacement, block%origin_of('JOINT'), diagnostics)
          if (ok) call warn_along(model, joint, block%origin_of('JOINT'), diagnostics)
       case ('DISTANCE')
          kind = driver_distance
@@ -156,6 +161,11 @@ contains
       if (any(points > 0)) then
          if (all(model%points(pack(points, points > 0))%body == ground)) call diagnostics%add(block%origin, &
             & "driver '"//block%name()//"' drives a point of the ground", 'name a point of a body')
+      end if
+      if (kind == driver_distance) then
+         if (any(model%points(points)%body /= ground) .and. keep_distance(model, points)) call diagnostics%add( &
+            & block%origin_of('TO'), "driver '"//block%name()//"' drives a distance that never changes", &
+            & 'name points of two different bodies')
       end if
       if (kind /= driver_distance .and. kind /= driver_x .and. kind /= driver_y) points = 0
 

@@ -8,6 +8,7 @@ module limber_model_requested_channels
    use limber_deck_operations, only: function_names
    use limber_model_control_laws, only: insert_into
    use limber_model_controls, only: find_control, find_state
+   use limber_model_joint_coordinates, only: warn_of_kept
    use limber_model_lists, only: append
    use limber_model_points, only: find_point, find_body, find_named, enter_name
    use limber_model_quantities, only: quantities, of_point, of_body, of_beam_point, of_beam, of_joint, of_driver, of_spring, &
@@ -111,6 +112,9 @@ contains
       call expression_units(channel%expression, slot_dimensions(channel%quantities), model%units, channel%dimension, channel%units)
       call find_reference(model, channel)
       call warn_of_zero(model, field, channel, diagnostics)
+      do i = 1, size(channel%quantities)
+         call warn_of_kept(model, channel%quantities(i), field%expression%slots(i), diagnostics)
+      end do
       if (.not. any(channel%quantities%kind == quantity_output)) return
       call insert_into(model, channel%expression, diagnostics)
       deallocate (channel%quantities)

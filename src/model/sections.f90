@@ -26,8 +26,22 @@ contains
    subroutine check_section(block, diagnostics)
       type(block_type), intent(in) :: block
       type(diagnostics_type), intent(inout) :: diagnostics
-      real(wp) :: unused(4)
-      call read_section(block, unused, diagnostics)
+      real(wp) :: strength(4)
+      integer :: before
+      before = diagnostics%count
+      call read_section(block, strength, diagnostics)
+      if (diagnostics%count > before) return
+      if (block%has('SHEAR FACTOR')) then
+         if (block%real('SHEAR FACTOR') > 1.0_wp) call diagnostics%warn(block%origin_of('SHEAR FACTOR'), "section '"// &
+            & block%name()//"': SHEAR FACTOR="//as_text(block%real('SHEAR FACTOR'))//' is more shear area than area', &
+            & 'a number up to 1, such as 5/6 of a rectangle')
+      end if
+      ! The variance of places between two bounds is the product of their distances at most
+      if (block%word('SHAPE') == 'GENERAL' .and. all(strength(3:4) > 0.0_wp)) then
+         if (strength(2) > (1 + 1.0e-3_wp)*product(strength([1, 3, 4]))) call diagnostics%warn(block%origin_of('INERTIA'), &
+            & "section '"//block%name()//"': no section of this AREA between TOP and BOTTOM has INERTIA="// &
+            & as_text(strength(2)), 'at most AREA*TOP*BOTTOM = '//as_text(product(strength([1, 3, 4])), 3))
+      end if
    end subroutine check_section
 
    !> Area, second moment of area, and distances of the extreme fibres.

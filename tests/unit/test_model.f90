@@ -16,7 +16,7 @@ program test_model
       & 'undriven_redundant']
    character(*), parameter :: warned(*) = [character(32) :: 'warn_exact_options', 'warn_no_tension', &
       & 'warn_redundant_coupler', 'warn_redundant_joint', 'warn_redundant_beam', 'warn_singular', 'warn_ramp', 'warn_ramp_load', &
-      & 'warn_springs', 'warn_idle', 'warn_idle_model', 'warn_unused']
+      & 'warn_springs', 'warn_idle', 'warn_idle_model', 'warn_unused', 'warn_kept']
 
    do i = 1, size(refused)
       call check_refused(trim(refused(i)))

@@ -279,7 +279,8 @@ contains
          text = 'the deck; it bends to '//as_text(beam%deflection, 2)//' of its length'
       else
          text = 'slope '//as_text(beam%slope, 2)//', deflection '//as_text(beam%deflection, 2)//' of the length; its stretch '// &
-            & 'makes '//as_text(beam%stretch, 2)//' of a channel'//ringing_words(beam)//'; axial force '//as_text(beam%force, 2)//' of the Euler load'
+            & 'makes '//as_text(beam%stretch, 2)//' of a channel'//ringing_words(beam)//'; axial force '// &
+            & as_text(beam%force, 2)//' of the Euler load'
       end if
    end function known_of
 

@@ -11,6 +11,7 @@ module limber_monitor_indicators
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
    use limber_monitor_drawing_in, only: drawing_in_type
+   use limber_monitor_drawn_channels, only: drawn_channels_type, join_drawn_channels, drawn_part
    use limber_monitor_false_damping, only: false_damping_type, join_false_damping, lost_amplitude
    use limber_monitor_function_watch, only: function_watch_type, join_functions
    use limber_monitor_membrane, only: membrane_type
@@ -24,7 +25,7 @@ module limber_monitor_indicators
    private
    public :: indicators_type, body_indicators_type, indicator_set_type, join_indicators, raise_peak, raise_recoil_force, &
       & add_vibration, add_geometric, indicator_value, indicator_time
-   public :: indicator_names, indicator_meanings, layer_errors, sudden_errors, drawn_parts, looks_at_jumps
+   public :: indicator_names, indicator_meanings, layer_errors, sudden_errors, looks_at_jumps, tell_drawn
 
    !> Kinds of indicators, those of a body in this order
    integer, parameter, public :: indicator_deflection = 1, indicator_slope = 2, indicator_rotation = 3, indicator_compression = 4, &
@@ -64,7 +65,7 @@ module limber_monitor_indicators
       & 'relative change of the deflection of a frame by axial force where the ends of its members cannot approach each other', &
       & 'that axial force / largest axial force or load, where channels ask for axial forces, stresses or reactions', &
       & 'axial force by inertia that the shortening has and the model lacks / largest axial force or load, where it is asked for', &
-      & 'displacement by which bending draws the body in and that the model lacks / largest one, where it is asked for', &
+      & 'error of a position, velocity, acceleration or momentum that bending draws in and a channel asks for / largest one', &
       & 'relative change of the deflection by the axial strain of what is compressed', &
       & 'section forces and reactions of vibrations under sudden loads outside the coordinates / largest ones, where asked for', &
       & 'shift of the vibrations / largest deflection, by the work of axial forces on the bending that the model lacks']
@@ -79,8 +80,7 @@ module limber_monitor_indicators
       & peak_unstretched = 17, peak_recoil = 18, peak_axial_grown = 19, &
       & peak_coarse_grown = 20, peak_layer = 21, peak_quartic_grown = 22, &
       & peak_membrane = 23, peak_membrane_force = 24, peak_pull = 25, peak_growth = 26, &
-      & peak_recoil_force = 27, peak_recoil_kept = 28, peak_own_pull = 29, peak_drawn = 30, peak_along = 31, &
-      & peak_strained = 32, peaks = 32
+      & peak_recoil_force = 27, peak_recoil_kept = 28, peak_own_pull = 29, peak_drawn = 30, peak_strained = 31, peaks = 31
 
    !> Sums over the states that were observed: kinetic and elastic energy of bending, that of the shortening, accelerations,
    !> squared coordinates of bending, and work of the axial forces on the bending
@@ -113,8 +113,6 @@ module limber_monitor_indicators
       logical :: shows_axial = .false.
       !> The same without stresses
       logical :: shows_force = .false.
-      !> Points of a beam whose displacements along it channels ask for; otherwise unallocated
-      integer, allocatable :: asked(:)
       !> Part of the length below which a deflection is one of the integrator's errors
       real(wp) :: noise = 0.0_wp
       !> First frequency, and length or size
@@ -152,9 +150,10 @@ module limber_monitor_indicators
       type(membrane_type) :: membrane
       !> Of a frame: inertia of the shortening of its members, and the displacements by that; of a beam only its axial force
       type(drawing_in_type) :: drawing_in
-      !> Of each of these displacements: the largest that is lacking, and the largest; of a coordinate in space its first value, and
-      !> what it lacks there (2, channels) [length]
-      real(wp), allocatable :: drawn(:, :), drawn_from(:, :)
+      !> Of the channels that its bending draws in the one that errs most: that error as a part of its largest value, when, and its
+      !> name
+      real(wp) :: drawn = 0.0_wp, drawn_at = 0.0_wp
+      character(100) :: drawn_name = ''
       !> Scratch: slopes and axial forces at the stations, amplitudes along and across, and of the bending coordinates,
       !> forces on these
       real(wp), allocatable :: slope(:), force(:), along(:), across(:), own(:), push(:, :)
@@ -196,6 +195,8 @@ module limber_monitor_indicators
       type(surveys_type) :: surveys
       !> What the functions of exact beams leave out
       type(function_watch_type) :: functions
+      !> Channels that bending draws in
+      type(drawn_channels_type) :: drawn
    contains
       procedure :: exchange => exchange_indicators
    end type indicators_type
@@ -277,8 +278,9 @@ contains
          call join_phases(part%bodies(i)%phase, whole%bodies(i)%phase)
          call join_false_damping(part%bodies(i)%false_damping, whole%bodies(i)%false_damping)
          whole%bodies(i)%moving = max(whole%bodies(i)%moving, part%bodies(i)%moving)
-         if (allocated(part%bodies(i)%drawn)) whole%bodies(i)%drawn = max(whole%bodies(i)%drawn, part%bodies(i)%drawn)
       end do
+      call join_drawn_channels(part%drawn, whole%drawn)
+      call tell_drawn(whole)
       call join_functions(part%functions, whole%functions)
    end subroutine join_indicators
 
@@ -320,7 +322,7 @@ contains
             value = 0.0_wp
             if (self%shows_axial) value = ratio(peak(peak_membrane_force), max(peak(peak_pull), peak(peak_membrane_force)))
          case (indicator_recoil_force); value = peak(peak_recoil_force)
-         case (indicator_drawn); value = max(ratio(peak(peak_drawn), peak(peak_along)), drawn_frame(self))
+         case (indicator_drawn); value = self%drawn
          case (indicator_strain)
             value = 0.0_wp
             if (is_slow(self)) value = ratio(peak(peak_strained), peak(peak_stiffness))
@@ -330,26 +332,32 @@ contains
       end associate
    end function indicator_value
 
-   !> The largest part of a displacement of a frame, asked for, that is lacking.
-   pure real(wp) function drawn_frame(self) result(value)
-      type(body_indicators_type), intent(in) :: self
-      value = 0.0_wp
-      if (allocated(self%drawn)) value = maxval([0.0_wp, drawn_parts(self)])
-   end function drawn_frame
-
-   !> Parts of the displacements of a frame that are lacking (channels); nought of what is not worth a word.
-   pure function drawn_parts(self) result(parts)
-      type(body_indicators_type), intent(in) :: self
-      real(wp) :: parts(size(self%drawn, 2))
-      !> Part of the size of the frame below which a displacement is none
-      real(wp), parameter :: least = 1.0e-9_wp
-      integer :: i
-      parts = 0.0_wp
-      do i = 1, size(parts)
-         if (self%drawn(1, i) > self%length*least) &
-            & parts(i) = ratio(self%drawn(1, i), self%drawn(2, i))
+   !> Gives each channel to its body, what shows several or none that bend to the one that is drawn in most.
+   pure subroutine tell_drawn(self)
+      type(indicators_type), intent(inout) :: self
+      real(wp) :: part, most
+      integer :: i, body, worst
+      worst = 1
+      most = 0.0_wp
+      do i = 1, size(self%bodies)
+         self%bodies(i)%drawn = 0.0_wp
+         self%bodies(i)%drawn_at = 0.0_wp
+         self%bodies(i)%drawn_name = ''
+         if (.not. self%bodies(i)%length*self%bodies(i)%peak(peak_drawn) > most) cycle
+         most = self%bodies(i)%length*self%bodies(i)%peak(peak_drawn)
+         worst = i
       end do
-   end function drawn_parts
+      do i = 1, size(self%drawn%channels)
+         part = drawn_part(self%drawn%channels(i))
+         if (.not. part > 0.0_wp) cycle
+         body = worst
+         if (self%drawn%channels(i)%body > 0) body = self%of(self%drawn%channels(i)%body)
+         if (.not. part > self%bodies(body)%drawn) cycle
+         self%bodies(body)%drawn = part
+         self%bodies(body)%drawn_at = self%drawn%channels(i)%time
+         self%bodies(body)%drawn_name = self%drawn%channels(i)%name
+      end do
+   end subroutine tell_drawn
 
    !> Error of the internal forces that are asked for where bending near an end or a load dies out over sqrt(E I/P).
    pure real(wp) function layer_error(self) result(value)
@@ -448,7 +456,7 @@ contains
       case (indicator_membrane); t = self%time(peak_membrane)
       case (indicator_reaction); t = self%time(peak_membrane_force)
       case (indicator_recoil_force); t = self%time(peak_recoil_force)
-      case (indicator_drawn); t = self%time(peak_drawn)
+      case (indicator_drawn); t = self%drawn_at
       case (indicator_strain); t = self%time(peak_strained)
       case (indicator_sudden); t = 0.0_wp
          if (self%sudden%when > -huge(t)) t = self%sudden%when
@@ -488,15 +496,13 @@ contains
          call snapshot%keep('modal', self%bodies(i)%modal)
          call snapshot%keep('modal_time', self%bodies(i)%modal_time)
          call snapshot%keep('moving', self%bodies(i)%moving)
-         if (allocated(self%bodies(i)%drawn)) then
-            call snapshot%exchange('drawn', self%bodies(i)%drawn)
-            call snapshot%exchange('drawn_from', self%bodies(i)%drawn_from)
-         end if
          call self%bodies(i)%sudden%exchange(snapshot)
          call self%bodies(i)%phase%exchange(snapshot)
          call self%bodies(i)%false_damping%exchange(snapshot)
       end do
       call self%functions%exchange(snapshot)
+      call self%drawn%exchange(snapshot)
+      call tell_drawn(self)
       call snapshot%exchange('observations', self%observations)
       call snapshot%exchange('swings', self%swings)
       ! Not saved: sets, count, of, place, fixed, turned, scratch, pulls, surveys

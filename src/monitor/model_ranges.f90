@@ -7,7 +7,7 @@ module limber_monitor_model_ranges
    use limber_base_text, only: as_text, newline
    use limber_monitor_function_report, only: function_warnings
    use limber_monitor_indicators, only: indicators_type, body_indicators_type, indicator_value, indicator_time, &
-      & indicator_names, indicator_meanings, layer_errors, drawn_parts, peak_unstretched, peak_growth, slow, &
+      & indicator_names, indicator_meanings, layer_errors, peak_unstretched, peak_growth, slow, &
       & indicator_count, indicator_deflection, indicator_slope, indicator_rotation, &
       & indicator_compression, indicator_pace, indicator_residual, indicator_geometric, indicator_stiffening, &
       & indicator_axial, indicator_coarseness, &
@@ -275,10 +275,8 @@ contains
             & ' of '//percent//' of the largest so far'//when//': axial forces and reactions err by that'
          if (body%reduced%geometric) text = text//', and by many times as much where these feed axial vibrations'
       case (indicator_drawn)
-         text = 'displacements along it (u1) err by '//percent//' of the largest'
-         if (body%is_frame) text = trim(indicators%drawing_in%asked(maxloc(drawn_parts(indicators), dim=1))%name)//' errs by '// &
-            & percent//' of its largest change'
-         text = 'is drawn in by its bending, which '//fidelity(body)//' leaves out: '//text//when
+         text = 'is drawn in by its bending, which '//fidelity(body)//' leaves out: '//trim(indicators%drawn_name)//' errs by '// &
+            & percent//' of its largest '//trim(merge('value ', 'change', index('xyud', indicators%drawn_name(1:1)) == 0))//when
       case (indicator_buckling)
          text = 'is compressed by '//as_text(indicator_value(indicators, indicator_compression), 2)//' times its Euler load'// &
             & when//', which its functions take '//as_text(100*indicators%misfit, 2)//' % too large: they do not fit how its'// &

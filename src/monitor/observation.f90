@@ -6,8 +6,9 @@ module limber_monitor_observation
       & peak_rotation, peak_compression, peak_tension, peak_energy, peak_kinetic, peak_left_out, peak_axial, &
       & peak_coarse, peak_lost, peak_quartic, peak_bent, peak_stretch, &
       & peak_unstretched, peak_strained, peak_axial_grown, peak_coarse_grown, peak_quartic_grown, peak_growth, peak_pull, &
-      & peak_own_pull, add_geometric, add_vibration, raise_recoil_force
+      & peak_own_pull, add_geometric, add_vibration, raise_recoil_force, tell_drawn
    use limber_monitor_beam_shortening, only: add_shortening, observe_recoil, observe_drawn
+   use limber_monitor_drawn_channels, only: observe_drawn_channels
    use limber_beam_monitored_sections, only: monitored_sections_type
    use limber_monitor_false_damping, only: observe_false_damping
    use limber_monitor_function_watch, only: observe_functions
@@ -33,8 +34,10 @@ contains
       type(indicators_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       type(workspace_type), intent(in) :: work
-      !> Time; coordinates, velocities, accelerations (nq)
-      real(wp), intent(in) :: t, q(:), v(:), a(:)
+      !> Time
+      real(wp), intent(in) :: t
+      !> Coordinates, velocities, accelerations (nq)
+      real(wp), contiguous, intent(in) :: q(:), v(:), a(:)
       integer :: i, first, last
       call observe_functions(self%functions, system, work, t, q, v, a)
       if (size(self%bodies) == 0) return
@@ -54,7 +57,7 @@ contains
             if (.not. self%bodies(i)%is_beam) cycle
             associate (stations => self%sets(self%bodies(i)%set)%stations)
                call bend(self%bodies(i), stations, t, eta)
-               call observe_drawn(self%bodies(i), stations, system%model, t, eta)
+               call observe_drawn(self%bodies(i), stations, system%model, t, rate, a(first + 4:last), self%drawn)
                call start_amplitudes(self%bodies(i), stations, a(first:first + 1) - system%model%gravity, u, &
                   & cross(u, v(first + 2:first + 3)), cross(u, a(first + 2:first + 3)), eta, rate, a(first + 4:last))
                if (self%bodies(i)%held) cycle
@@ -71,6 +74,10 @@ contains
       call add_reactions(self, system, work, q)
       call add_loads(self, system, work, q)
       call observe_frames(self, system, work, t, q, v, a)
+      if (size(self%drawn%channels) > 0) then
+         call observe_drawn_channels(self%drawn, system, work, t, q, v, a)
+         call tell_drawn(self)
+      end if
       do i = 1, size(self%bodies)
          if (self%bodies(i)%is_rigid) then
             first = system%layout%q(self%bodies(i)%body)

@@ -273,7 +273,7 @@ contains
       integer :: i
       call run_words('verification/watch_beam.inp', 'LENGTH=1 > LENGTH=1, GEOMETRIC=LINEAR, '//words//'; push = 0 > push = '// &
          & as_text(force, 4)//'; *STATICS, NAME=loaded, INCREMENTS=1 > *DYNAMICS, INTEGRATOR=RADAU, TOLERANCE=1e-5, END='// &
-         & as_text(duration, 4)//'; *MODES, NAME=small, NUMBER=1 > ** no modes', reader)
+         & as_text(duration, 4)//'; *MODES, NAME=small, NUMBER=1 > ** no modes; , stretch = x(beam.end) - 1 > ', reader)
       allocate (tip, source=channel(reader, 'tip'))
       off = 0.0_wp
       do i = 1, size(tip)

@@ -1,6 +1,6 @@
 !> Check of damped vibrations by a second scene. Forces of dampers bend bodies in shapes that their coordinates may not have, which
 !> vibrations without damping do not show: the damped vibrations of a scene with more coordinates, about the same state, are
-!> matched with those that are listed by their shapes. Floor: analysis. Source: doc/theory, eqs. (6.8), (7.49), (7.100).
+!> matched with those that are listed by their shapes. Floor: analysis. Source: doc/theory, eqs. (6.8), (7.49), part 7, dampers.
 module limber_analysis_damped_aside
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text, newline
@@ -27,13 +27,13 @@ module limber_analysis_damped_aside
    integer, parameter :: beside = 6
 
    !> What is wrong with a list
-   type :: verdict_type
+   type :: mismatch_type
       !> Relative error of the frequency and of the damping ratio of the worst mode, which one, and that of the second scene
       real(wp) :: error(2) = 0.0_wp
       integer :: mode = 0, like = 0, others = 0
       !> A vibration of the second scene within the list that is not in it; 0: none
       integer :: lacking = 0
-   end type verdict_type
+   end type mismatch_type
 
 contains
 
@@ -48,7 +48,7 @@ contains
       integer, intent(in) :: listed
       character(:), allocatable, intent(out) :: text
       type(rich_type), allocatable :: rich
-      type(verdict_type) :: verdict
+      type(mismatch_type) :: verdict
       integer :: level(size(scene%system%model%bodies)), extra, body
       text = ''
       if (listed == 0 .or. is_large(scene%system) .or. .not. any_damped(scene, balance)) return
@@ -75,7 +75,7 @@ contains
       function remedy() result(cure)
          character(:), allocatable :: cure
          type(rich_type), allocatable :: trial
-         type(verdict_type) :: left
+         type(mismatch_type) :: left
          integer :: choice
          associate (choices => scene%system%model%bodies(body)%choice)
             if (level(body) == with_functions) then
@@ -121,7 +121,7 @@ contains
       type(vibrations_type), intent(in) :: own
       integer, intent(in) :: listed
       type(rich_type), intent(in) :: rich
-      type(verdict_type), intent(out) :: verdict
+      type(mismatch_type), intent(out) :: verdict
       complex(wp), allocatable :: mapped(:, :)
       allocate (mapped, source=mapped_shapes(scene%system, rich%scene%system, own%shape(:, :listed)))
       call judge_shapes(own, mapped, rich, verdict)
@@ -131,7 +131,7 @@ contains
    subroutine judge_lists(trial, rich, listed, verdict)
       type(rich_type), intent(in) :: trial, rich
       integer, intent(in) :: listed
-      type(verdict_type), intent(out) :: verdict
+      type(mismatch_type), intent(out) :: verdict
       complex(wp), allocatable :: mapped(:, :)
       allocate (mapped, source=mapped_shapes(trial%scene%system, rich%scene%system, &
          & trial%vibrations%shape(:, :min(listed, size(trial%vibrations%frequency)))))
@@ -143,7 +143,7 @@ contains
       !> Shapes of the first vibrations in the layout of the second scene (nw, modes)
       complex(wp), intent(in) :: mapped(:, :)
       type(rich_type), intent(in) :: rich
-      type(verdict_type), intent(out) :: verdict
+      type(mismatch_type), intent(out) :: verdict
       real(wp) :: parts(size(mapped, 2), size(rich%vibrations%frequency)), error(2), largest
       integer :: j, r
       do r = 1, size(parts, 2)
@@ -181,7 +181,7 @@ contains
       speed = hypot(vibrations%frequency(j), vibrations%growth(j))
    end function speed_of
 
-   !> Relative errors of a frequency and of its damping ratio, eq. (7.100).
+   !> Relative errors of a frequency and of its damping ratio.
    pure function errors(own, j, others, r) result(error)
       type(vibrations_type), intent(in) :: own, others
       integer, intent(in) :: j, r
@@ -211,7 +211,7 @@ contains
       type(analysis_step_type), intent(in) :: step
       type(vibrations_type), intent(in) :: own
       type(rich_type), intent(in) :: rich
-      type(verdict_type), intent(in) :: verdict
+      type(mismatch_type), intent(in) :: verdict
       integer, intent(in) :: body
       character(:), allocatable :: text
       associate (model => scene%system%model)

@@ -107,7 +107,8 @@ contains
       end if
    end function free_instead
 
-   !> Warns of a channel of a coordinate that its joint keeps, or of a force that there cannot be.
+   !> Warns of a channel of a coordinate that its joint keeps, or of a force that there cannot be. A kept angle may be asked for: it
+   !> is not always zero.
    subroutine warn_of_kept(model, quantity, slot, diagnostics)
       type(model_type), intent(in) :: model
       type(quantity_type), intent(in) :: quantity
@@ -120,7 +121,8 @@ contains
          call warn_of_bushing()
       else if (coordinate > 0) then
          associate (joint => model%joints(quantity%of))
-            if (keeps(joint, coordinate)) call diagnostics%warn(slot%origin, kept(joint, coordinate), free_instead(joint))
+            if (keeps(joint, coordinate) .and. quantity%kind /= quantity_joint_angle) &
+               & call diagnostics%warn(slot%origin, kept(joint, coordinate), free_instead(joint))
          end associate
       else if (quantity%kind == quantity_moment) then
          associate (joint => model%joints(quantity%of))

@@ -119,6 +119,8 @@ contains
       integer :: i, j
       associate (choice => body%choice%exact)
          ea = minval(choice%profile%value(of_ea, :, :))
+         ! Of a section or material in error there is nothing to say
+         if (.not. ea > 0.0_wp) return
          strain = choice%hot_strain - choice%pretension/ea
          option = trim(merge('THERMAL STRAIN', 'PRETENSION    ', abs(choice%hot_strain) >= abs(choice%pretension/ea)))
          if (abs(strain) >= 1.0_wp) call diagnostics%add(block%origin_of(option), "beam '"//block%name()// &

@@ -381,9 +381,9 @@ contains
       type(workspace_type), intent(in) :: work
       real(wp), contiguous, intent(in) :: q(:), v(:), a(:)
       integer, intent(in) :: order
-      !> Part of the largest gap that joints may leave
-      real(wp), parameter :: left = 0.1_wp
-      real(wp) :: shift(3), e(3), arm(2), gap, largest
+      !> Part of the largest gap, or of what is drawn in at most, that joints may leave
+      real(wp), parameter :: left = 0.3_wp
+      real(wp) :: shift(3), e(3), arm(2), gap, largest, drawn
       integer :: i, j, m, n, side, info
       n = self%motions + self%rows
       self%side = 0.0_wp
@@ -416,13 +416,14 @@ contains
       largest = 0.0_wp
       if (self%rows > 0) largest = maxval(abs(self%side(self%motions + 1:)))
       if (.not. largest > 0.0_wp) return
+      drawn = maxval(abs(self%field(1:2, order, :)))
       do i = 1, size(system%constraints)
          if (self%row(i) < 0) cycle
          associate (item => system%constraints(i)%item)
             do j = 1, item%rows
                associate (row => self%motions + self%row(i) + j)
                   gap = self%scale(row)*dot_product(self%matrix(row, :self%motions), self%motion(:, order)) - self%side(row)
-                  if (abs(gap) <= left*largest) cycle
+                  if (abs(gap) <= left*max(largest, self%scale(row)*drawn)) cycle
                end associate
                do side = 1, 2
                   if (takes_part(self, item%bodies(side))) self%stuck(item%bodies(side)) = .true.

@@ -194,6 +194,10 @@ contains
          self%drivers = pack([(i, i=1, size(model%drivers))], [(any(system%constraints(j + i)%item%bodies == body), &
             & i=1, size(model%drivers))])
       end associate
+      ! Joints and drivers that pass on no moment to it make moments elsewhere by their forces
+      if (self%asked(2) .and. .not. (any(system%model%joints(self%joints)%keeps_angle) .or. &
+         & any(system%model%drivers(self%drivers)%kind == driver_angle) .or. &
+         & any(system%model%drivers(self%drivers)%kind == driver_joint_angle))) self%asked = [.true., .false.]
       if (any(self%asked)) return
       self%joints = self%joints(:0)
       self%drivers = self%drivers(:0)

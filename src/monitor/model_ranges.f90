@@ -77,7 +77,8 @@ contains
       case (indicator_coarseness)
          if (.not. linear) limit = 0.05_wp
       case (indicator_residual)
-         limit = 0.015_wp
+         ! With dampers and springs internal forces err by some times as much
+         limit = merge(0.015_wp, 0.05_wp, any([indicators%shows_shear, indicators%shows_moment, indicators%shows_reaction]))
       case (indicator_lumping)
          limit = 0.05_wp
       case (indicator_shortening)

@@ -4,7 +4,8 @@
 module limber_analysis_damped_aside
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text, newline
-   use limber_analysis_mode_aside, only: rich_type, look_aside, mapped_shapes, parts_of, least
+   use limber_analysis_mode_aside, only: rich_type, look_aside, look_at_most, mapped_shapes, parts_of, speed_of, &
+      & size_words
    use limber_analysis_scene_aside, only: additional_modes, add_missed
    use limber_analysis_richer_scene, only: richer_words, can_enrich, nothing_more, with_responses, with_modes, with_both, &
       & with_functions
@@ -20,8 +21,6 @@ module limber_analysis_damped_aside
 
    !> Errors that are not told: of a frequency, relative; of a damping ratio, relative and at least
    real(wp), parameter :: little = 0.02_wp, little_ratio = 0.1_wp, least_ratio = 2.0e-4_wp
-   !> Relative errors above which they are only told as more than that
-   real(wp), parameter :: beyond = 0.5_wp
    !> Part of the modal mass that a vibration shares with its like; vibrations beside those that are listed
    real(wp), parameter :: alike = 0.5_wp
    integer, parameter :: beside = 6
@@ -56,13 +55,7 @@ contains
       where (scene%system%model%bodies%reduced%is_exact) level = with_functions
       if (all(level == nothing_more)) return
       extra = additional_modes(scene%system, level, listed + beside)
-      do
-         allocate (rich)
-         call look_aside(scene, step, all_damping, level, extra, rich)
-         if (rich%done .or. extra <= least) exit
-         deallocate (rich)
-         extra = max(least, extra/2)
-      end do
+      call look_at_most(scene, step, all_damping, level, extra, rich)
       if (.not. rich%done) return
       call judge(scene, own, listed, rich, verdict)
       if (verdict%like == 0) return
@@ -174,13 +167,6 @@ contains
       end do
    end subroutine judge_shapes
 
-   !> |s| of a vibration [1/time].
-   pure real(wp) function speed_of(vibrations, j) result(speed)
-      type(vibrations_type), intent(in) :: vibrations
-      integer, intent(in) :: j
-      speed = hypot(vibrations%frequency(j), vibrations%growth(j))
-   end function speed_of
-
    !> Relative errors of a frequency and of its damping ratio.
    pure function errors(own, j, others, r) result(error)
       type(vibrations_type), intent(in) :: own, others
@@ -232,13 +218,5 @@ contains
             & "' cannot take the shape in which dampers bend it with its "//as_text(model%bodies(body)%reduced%n)//' coordinates'
       end associate
    end function words
-
-   function size_words(error) result(text)
-      real(wp), intent(in) :: error
-      character(:), allocatable :: text
-      text = 'about '
-      if (error > beyond) text = 'more than '
-      text = text//as_text(100*min(error, beyond), 2)//' %'
-   end function size_words
 
 end module limber_analysis_damped_aside

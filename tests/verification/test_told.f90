@@ -43,6 +43,7 @@ program test_told
    call check_damped()
    call check_dampers()
    call check_arch()
+   call check_loop()
    call check_sudden()
    call check_fast()
    call finish()
@@ -321,6 +322,20 @@ contains
          call check(merge(at > 0, index(report, 'is too high by') == 0, i == 1), 'an arch with few functions: '//report)
       end do
    end subroutine check_arch
+
+   !> The elastica between a pin and a roller loses stability again where its ends meet, at 2.18338 times Euler's load, 2 E(k) =
+   !> K(k): right with the default functions, so that nothing is told.
+   subroutine check_loop()
+      type(error_type), allocatable :: error
+      call run_text('*UNITS, LENGTH=mm, MASS=t, TIME=s'//nl//'*MATERIAL, NAME=st, YOUNG=210000, DENSITY=7.85e-9'//nl// &
+         & '*SECTION, NAME=s, SHAPE=RECTANGLE, WIDTH=20, HEIGHT=2'//nl//'*BEAM, NAME=b, MATERIAL=st, SECTION=s, LENGTH=600'//nl// &
+         & '*JOINT, NAME=l, TYPE=REVOLUTE'//nl//' b.start, ground.origin'//nl//'*JOINT, NAME=r, TYPE=POINT ON LINE'//nl// &
+         & ' b.end, ground.origin'//nl//'*FORCE, NAME=P, POINT=b.end'//nl//' -230.29076935875167*t, 0'//nl// &
+         & '*STATICS, INCREMENTS=7'//nl//'*OUTPUT'//nl//' x(b.end)'//nl, trim(results), report, error)
+      call check_no_error(error, 'a loop')
+      call check(index(report, 'load factor 0.72779') > 0, 'a loop turns unstable where its ends meet: '//report)
+      call check(index(report, 'is too high by') == 0, 'a loop is right: '//report)
+   end subroutine check_loop
 
    !> Frequencies of the table of a report [rad/time].
    function frequencies_of(text) result(frequency)

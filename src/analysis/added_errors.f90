@@ -33,15 +33,14 @@ module limber_analysis_added_errors
 contains
 
    !> Begins a run.
-   subroutine start_added(self, system, work, crossings, t, q, v)
+   subroutine start_added(self, system, crossings, t, q, v)
       type(added_errors_type), intent(out) :: self
       type(system_type), intent(in) :: system
-      type(workspace_type), intent(inout) :: work
       type(crossings_type), intent(in) :: crossings
       !> First state (nq)
       real(wp), intent(in) :: t, q(:), v(:)
       call start_motions(self%motions, system, q)
-      call start_springs(self%springs, system, work, t, q, v)
+      call start_springs(self%springs, system, t, q, v)
       self%wanted = size(crossings%loads) > 0 .or. size(self%motions%body) > 0
       if (.not. self%wanted) return
       call new_defect(self%defect, system)
@@ -69,7 +68,7 @@ contains
       real(wp), intent(inout) :: q(:), v(:)
       real(wp) :: put_in
       logical :: passes, small, found
-      if (size(self%springs%loads) > 0) call note_springs(self%springs, system, work, t, q, v)
+      if (size(self%springs%loads) > 0) call note_springs(self%springs, system, t, q, v)
       if (.not. self%wanted) return
       call note_place(self%motions, system, q)
       passes = looks_at(self%passages, crossings)

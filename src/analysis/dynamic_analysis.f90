@@ -373,7 +373,7 @@ contains
          call new_crossings(crossings, scene%system, dynamics%start, duration, integrator%tolerance)
          if (size(crossings%loads) > 0) call begin_crossings(crossings, scene%system, scene%work, t, sample%q, sample%v, &
             & integrator%work_at_start)
-         call start_added(added, scene%system, scene%work, crossings, t, sample%q, sample%v)
+         call start_added(added, scene%system, crossings, t, sample%q, sample%v)
          call new_curve_watch(curves, scene%system, duration, integrator%tolerance)
          if (size(curves%joints) > 0) call begin_curves(curves, scene%system, scene%work, t, sample%q, sample%v, &
             & integrator%work_at_start)

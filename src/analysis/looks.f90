@@ -29,7 +29,7 @@ contains
       type(sample_type), intent(inout) :: sample
       type(outcome_type), intent(inout) :: outcome
       !> Steps, and parts of the run, after which they are observed again; evaluations that lie between in any case
-      integer, parameter :: steps = 32, parts = 50, evaluations = 24
+      integer, parameter :: steps = 32, parts = 50, evaluations = 32
       if (size(outcome%indicators%bodies) + size(outcome%indicators%functions%beams) == 0) return
       if (integrator%statistics%steps < sample%next_step .and. integrator%t < sample%next_look) return
       if (scene%work%evaluations < sample%next_evaluation) return

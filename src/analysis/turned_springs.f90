@@ -4,10 +4,10 @@ module limber_analysis_turned_springs
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: as_text
-   use limber_multibody_kinematics, only: place_frames, move_frames
    use limber_multibody_motion_laws, only: name_of_load
+   use limber_multibody_point_motion, only: point_position, point_velocity
    use limber_multibody_springs, only: point_spring_type
-   use limber_multibody_system, only: system_type, workspace_type
+   use limber_multibody_system, only: system_type
    implicit none
    private
    public :: turned_springs_type, start_springs, note_springs, springs_warning
@@ -29,16 +29,15 @@ module limber_analysis_turned_springs
 contains
 
    !> Begins at a state.
-   subroutine start_springs(self, system, work, t, q, v)
+   subroutine start_springs(self, system, t, q, v)
       type(turned_springs_type), intent(out) :: self
       type(system_type), intent(in) :: system
-      type(workspace_type), intent(inout) :: work
       !> Coordinates and velocities (nq)
       real(wp), intent(in) :: t, q(:), v(:)
       integer :: i
       self%loads = pack([(i, i=1, size(system%loads))], [(turns_round(system, i), i=1, size(system%loads))])
       allocate (self%gap(2, size(self%loads)), self%rate(2, size(self%loads)))
-      if (size(self%loads) > 0) call read_gaps(self, system, work, t, q, v)
+      if (size(self%loads) > 0) call read_gaps(self, system, t, q, v)
    end subroutine start_springs
 
    !> Whether a load is a spring whose force at zero length is not zero.
@@ -53,31 +52,28 @@ contains
    end function turns_round
 
    !> Reads the gaps at a state.
-   subroutine read_gaps(self, system, work, t, q, v)
+   subroutine read_gaps(self, system, t, q, v)
       type(turned_springs_type), intent(inout) :: self
       type(system_type), intent(in) :: system
-      type(workspace_type), intent(inout) :: work
       real(wp), intent(in) :: t, q(:), v(:)
       integer :: k
-      call place_frames(system%model, system%layout, t, q, work%kinematics)
-      call move_frames(system%model, system%layout, q, v, work%kinematics)
       self%t = t
       do k = 1, size(self%loads)
          select type (item => system%loads(self%loads(k))%item)
          type is (point_spring_type)
-            associate (a => work%kinematics%markers(item%markers(1)), b => work%kinematics%markers(item%markers(2)))
-               self%gap(:, k) = b%position - a%position
-               self%rate(:, k) = b%velocity - a%velocity
+            associate (model => system%model, layout => system%layout, a => system%model%points(item%points(1)), &
+               & b => system%model%points(item%points(2)))
+               self%gap(:, k) = point_position(model, layout, b, q) - point_position(model, layout, a, q)
+               self%rate(:, k) = point_velocity(model, layout, b, q, v) - point_velocity(model, layout, a, q, v)
             end associate
          end select
       end do
    end subroutine read_gaps
 
    !> Takes a step up to a state.
-   subroutine note_springs(self, system, work, t, q, v)
+   subroutine note_springs(self, system, t, q, v)
       type(turned_springs_type), intent(inout) :: self
       type(system_type), intent(in) :: system
-      type(workspace_type), intent(inout) :: work
       !> Time of the state; coordinates and velocities (nq)
       real(wp), intent(in) :: t, q(:), v(:)
       real(wp) :: gap(2, size(self%loads)), rate(2, size(self%loads)), before
@@ -85,7 +81,7 @@ contains
       gap = self%gap
       rate = self%rate
       before = self%t
-      call read_gaps(self, system, work, t, q, v)
+      call read_gaps(self, system, t, q, v)
       if (self%turned > 0) return
       do k = 1, size(self%loads)
          if (.not. comes_back(t - before, gap(:, k), rate(:, k), self%gap(:, k), self%rate(:, k))) cycle

@@ -54,22 +54,10 @@ contains
       type(body_type), intent(in) :: body
       !> Time; rates and accelerations of the coordinates (n)
       real(wp), intent(in) :: t, rate(:), acceleration(:)
-      real(wp) :: part, fixed, force, work, faster, turned
+      real(wp) :: part, fixed, force, work, total
       integer :: s, k, at
       self%drawing_in%force = 0.0_wp
-      ! Scratch: how much the stations are drawn in, a unit of time squared
-      fixed = 0.0_wp
-      do s = 1, stations%count
-         turned = 0.0_wp
-         faster = 0.0_wp
-         do k = 1, stations%bending
-            turned = turned + stations%slope(k, s)*rate(k)
-            faster = faster + stations%slope(k, s)*acceleration(k)
-         end do
-         part = 0.5_wp*stations%weight(s)*(turned**2 + self%slope(s)*faster)
-         self%force(s) = fixed + part
-         fixed = self%force(s) + part
-      end do
+      call draw_in_stations(self, stations, 2, rate, acceleration, total)
       fixed = 0.0_wp
       if (self%anchor > 0) fixed = self%force(station_at(stations, self%anchor))
       force = 0.0_wp
@@ -90,6 +78,37 @@ contains
       end do
       call raise_peak(self, peak_recoil, abs(work), t)
    end subroutine observe_recoil
+
+   !> How far the stations are drawn in from the start, or its rate or acceleration: in the scratch of the axial forces, eq. (7.24).
+   pure subroutine draw_in_stations(self, stations, order, rate, acceleration, total)
+      type(body_indicators_type), intent(inout) :: self
+      type(monitored_sections_type), intent(in) :: stations
+      !> 0, 1, 2
+      integer, intent(in) :: order
+      !> Rates and accelerations of the coordinates (n)
+      real(wp), intent(in) :: rate(:), acceleration(:)
+      !> That of the end
+      real(wp), intent(out) :: total
+      real(wp) :: part, turned, faster
+      integer :: s, k
+      total = 0.0_wp
+      do s = 1, stations%count
+         turned = 0.0_wp
+         faster = 0.0_wp
+         do k = 1, stations%bending
+            turned = turned + stations%slope(k, s)*rate(k)
+            faster = faster + stations%slope(k, s)*acceleration(k)
+         end do
+         select case (order)
+         case (0); part = 0.5_wp*self%slope(s)**2
+         case (1); part = self%slope(s)*turned
+         case default; part = turned**2 + self%slope(s)*faster
+         end select
+         part = 0.5_wp*stations%weight(s)*part
+         self%force(s) = total + part
+         total = self%force(s) + part
+      end do
+   end subroutine draw_in_stations
 
    !> Force that draws in what lies before a station.
    pure real(wp) function drawn_before(self, stations, body, station, fixed) result(force)
@@ -123,30 +142,13 @@ contains
       !> Time; rates and accelerations of the coordinates (n)
       real(wp), intent(in) :: t, rate(:), acceleration(:)
       type(drawn_channels_type), intent(inout) :: channels
-      real(wp) :: fixed, part, turned, faster, total
-      integer :: s, k, order
-      if (.not. allocated(channels%field)) return
-      if (.not. channels%bends(self%body)) return
+      real(wp) :: fixed, total
+      integer :: k, order
+      if (.not. allocated(channels%moves%field)) return
+      if (.not. channels%moves%bends(self%body)) return
       associate (body => model%bodies(self%body))
          do order = 0, 2
-            ! Scratch: how far the stations are drawn in from the start
-            total = 0.0_wp
-            do s = 1, stations%count
-               turned = 0.0_wp
-               faster = 0.0_wp
-               do k = 1, stations%bending
-                  turned = turned + stations%slope(k, s)*rate(k)
-                  faster = faster + stations%slope(k, s)*acceleration(k)
-               end do
-               select case (order)
-               case (0); part = 0.5_wp*self%slope(s)**2
-               case (1); part = self%slope(s)*turned
-               case default; part = turned**2 + self%slope(s)*faster
-               end select
-               part = 0.5_wp*stations%weight(s)*part
-               self%force(s) = total + part
-               total = self%force(s) + part
-            end do
+            call draw_in_stations(self, stations, order, rate, acceleration, total)
             if (order == 0) call raise_peak(self, peak_drawn, total/self%length, t)
             ! Ends that cannot approach each other stretch it
             if (self%held) self%force = self%force - total*stations%x/body%beam%length
@@ -154,12 +156,12 @@ contains
             ! The frame of a free beam is its mean motion
             if (.not. (body%choice%support%w_start .or. body%choice%support%w_end)) &
                & fixed = dot_product(stations%weight, self%force)/sum(stations%weight)
-            do k = 1, size(channels%points)
-               associate (point => model%points(channels%points(k)))
-                  if (point%body == self%body) channels%field(1, order, k) = fixed - value_at(self, stations, point%along)
+            do k = 1, size(channels%moves%points)
+               associate (point => model%points(channels%moves%points(k)))
+                  if (point%body == self%body) channels%moves%field(1, order, k) = fixed - value_at(self, stations, point%along)
                end associate
             end do
-            channels%inertia(1, order, self%body) = body%beam%rho_a*(sum(stations%weight)*fixed &
+            channels%moves%inertia(1, order, self%body) = body%beam%rho_a*(sum(stations%weight)*fixed &
                & - dot_product(stations%weight, self%force))
          end do
       end associate

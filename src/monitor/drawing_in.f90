@@ -4,7 +4,7 @@
 !>
 !>     call start_drawing_in(self, membrane, survey, carried)                    ! allocates
 !>     call find_drawing_in(self, survey, eta, rate, acceleration)      ! self%energy, %work, %force
-!>     call show_drawing_in(self, body, channels)                                ! channels%field, %inertia
+!>     call show_drawing_in(self, body, channels)                                ! channels%moves%field, %inertia
 module limber_monitor_drawing_in
    use limber_base_kinds, only: wp
    use limber_monitor_drawn_channels, only: drawn_channels_type
@@ -117,9 +117,9 @@ contains
       type(drawn_channels_type), intent(inout) :: channels
       integer :: i
       do i = 1, size(self%slots)
-         channels%field(:, :, self%slots(i)) = of_parts(self%by_part(:, :, i))
+         channels%moves%field(:, :, self%slots(i)) = of_parts(self%by_part(:, :, i))
       end do
-      channels%inertia(:, :, body) = of_parts(self%by_part(:, :, size(self%slots) + 1))
+      channels%moves%inertia(:, :, body) = of_parts(self%by_part(:, :, size(self%slots) + 1))
 
    contains
 

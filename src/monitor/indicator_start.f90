@@ -102,10 +102,10 @@ contains
          end associate
       end do
       call start_drawn_channels(self%drawn, system, watched)
-      if (.not. allocated(self%drawn%points)) return
+      if (.not. allocated(self%drawn%moves%points)) return
       do i = 1, size(self%bodies)
-         if (self%bodies(i)%is_beam .or. .not. self%drawn%bends(self%bodies(i)%body)) cycle
-         associate (own => self%bodies(i)%drawing_in, points => self%drawn%points)
+         if (self%bodies(i)%is_beam .or. .not. self%drawn%moves%bends(self%bodies(i)%body)) cycle
+         associate (own => self%bodies(i)%drawing_in, points => self%drawn%moves%points)
             n = 0
             do k = 1, size(points)
                if (system%model%points(points(k))%body == self%bodies(i)%body) n = n + 1

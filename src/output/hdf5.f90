@@ -13,6 +13,7 @@ module limber_output_hdf5
       & h5f_libver_v18_f, h5f_libver_latest_f, h5pcreate_f, h5pclose_f, &
       & h5pset_fclose_degree_f, h5pset_libver_bounds_f, h5pset_link_creation_order_f, h5p_crt_order_indexed_f, &
       & h5p_crt_order_tracked_f, h5p_file_access_f, h5p_file_create_f, h5p_group_create_f, h5gcreate_f, h5gclose_f, &
+      & h5p_dataset_xfer_f, h5pset_buffer_f, &
       & h5ldelete_f, h5oopen_f, h5oclose_f, h5acreate_f, h5awrite_f, h5aclose_f, h5adelete_f, h5aexists_f, &
       & h5dcreate_f, h5dwrite_f, h5dclose_f, h5screate_f, h5screate_simple_f, h5sclose_f, h5s_scalar_f, &
       & h5tcopy_f, h5tset_cset_f, h5tclose_f, h5t_cset_utf8_f, h5t_string, h5t_native_double, h5t_std_i64le, &
@@ -316,7 +317,9 @@ contains
       type(error_type), allocatable, intent(out) :: error
       character(kind=c_char, len=:), allocatable, target :: text
       type(c_ptr), target :: pointer_to_text
-      integer(hid_t) :: space, string, dataset
+      !> HDF5 fills a buffer of 1 MB with zeros for each text otherwise [bytes]
+      integer(hsize_t), parameter :: buffer = 1024
+      integer(hid_t) :: space, string, dataset, transfer
       integer :: status, ignored
       call clear_the_way(file, path, error)
       if (allocated(error)) return
@@ -326,8 +329,11 @@ contains
       call h5screate_f(h5s_scalar_f, space, ignored)
       call h5dcreate_f(file, path, string, space, dataset, status)
       if (status >= 0) then
-         call h5dwrite_f(dataset, string, c_loc(pointer_to_text), status)
+         call h5pcreate_f(h5p_dataset_xfer_f, transfer, ignored)
+         call h5pset_buffer_f(transfer, buffer, ignored)
+         call h5dwrite_f(dataset, string, c_loc(pointer_to_text), status, xfer_prp=transfer)
          if (status < 0) call hdf5_error(error, file, 'cannot write '//path)
+         call h5pclose_f(transfer, ignored)
          call h5dclose_f(dataset, status)
          if (status < 0 .and. .not. allocated(error)) call hdf5_error(error, file, 'cannot write '//path)
       else

@@ -10,6 +10,7 @@ module limber_analysis_fresh_start
    use limber_scene_outcome, only: outcome_type, warn
    use limber_scene_sampling, only: sample_type
    use limber_scene_scene, only: scene_type
+   use limber_model_quantities, only: quantity_force, quantity_power, quantity_torque
    use limber_scene_speed_jumps, only: demanded_jumps
    use limber_monitor_run_monitor, only: largest_speed
    use limber_integrator_integrator, only: integrator_type
@@ -115,7 +116,8 @@ contains
       end associate
    end subroutine meet_drivers
 
-   !> Changes of velocity, without those of rigid bodies that drivers move by themselves: a road that a table lifts has no impact.
+   !> Changes of velocity, without those of rigid bodies that drivers move by themselves: a road that a table lifts has no impact,
+   !> unless channels ask for the force of its driver.
    pure function of_others(system, change) result(others)
       type(system_type), intent(in) :: system
       !> (nq)
@@ -132,6 +134,7 @@ contains
                if (body == ground) cycle
                moved(body) = .true.
                alone(body) = alone(body) .and. item%driven .and. count(item%bodies /= ground) == 1
+               alone(body) = alone(body) .and. .not. shows_force(system, i)
             end do
          end associate
       end do
@@ -144,6 +147,22 @@ contains
          end associate
       end do
    end function of_others
+
+   !> Whether a channel asks for the force, torque or power of a driver.
+   pure logical function shows_force(system, constraint) result(shows)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: constraint
+      integer :: i, j
+      shows = .false.
+      do i = 1, size(system%model%channels)
+         associate (asked => system%model%channels(i)%quantities)
+            do j = 1, size(asked)
+               if (asked(j)%of_load .or. all(asked(j)%kind /= [quantity_force, quantity_torque, quantity_power])) cycle
+               shows = shows .or. size(system%model%joints) + asked(j)%of == constraint
+            end do
+         end associate
+      end do
+   end function shows_force
 
    !> What is told of velocities that jump.
    function impact_text(system, t, demanded, energy) result(text)

@@ -8,7 +8,8 @@ module limber_analysis_own_motions
    use limber_base_text, only: as_text
    use limber_analysis_step_defects, only: defect_type, find_response
    use limber_integrator_error_scales, only: connected_lengths
-   use limber_model_model, only: dynamics_type, ground
+   use limber_model_model, only: dynamics_type, ground, place_at_distance
+   use limber_model_quantities, only: quantity_ax, quantity_ay, quantity_vx, quantity_vy, quantity_x, quantity_y
    use limber_multibody_system, only: system_type, workspace_type
    implicit none
    private
@@ -17,6 +18,8 @@ module limber_analysis_own_motions
    !> Own motion, in units of the length on which errors are judged, that is small, and of a body that is only tied to the ground,
    !> whose speeds are its own; that is none, and the same in units of the tolerance
    real(wp), parameter :: small = 0.05_wp, small_on_ground = 0.01_wp, none = 1.0e-9_wp, nothing = 0.3_wp
+   !> Part of the travel of a body that its motion along an axis, or beside a body that hangs on it, is at most
+   real(wp), parameter :: of_travel = 0.05_wp
    !> Steps that are looked at, and how many each look stands for; then one of so many
    integer, parameter :: first(8) = [1, 2, 3, 4, 6, 8, 12, 16], stands_for(8) = [1, 1, 1, 1, 2, 2, 4, 4], every = 16
 
@@ -29,6 +32,12 @@ module limber_analysis_own_motions
       !> Bodies, rigid, and loads alone connect them, or those that joints join them with, with others, or loads hold them on the
       !> ground; and what they are seen from, the ground or one of these others (motions)
       integer, allocatable :: body(:), beside(:)
+      !> The axis along which it is looked at, 0: both; of these, and beside a body that a rod joins, only travelling bodies count
+      !> (motions)
+      integer, allocatable :: axis(:)
+      logical, allocatable :: travels(:)
+      !> First place of the body [length] (2, motions), and the farthest from there so far (motions)
+      real(wp), allocatable :: start(:, :), travel(:)
       !> Length of what is connected with each, on which errors are judged [length] (motions)
       real(wp), allocatable :: length(:)
       !> Part of it that is small (motions)
@@ -55,13 +64,18 @@ contains
       real(wp) :: lengths(size(system%layout%q))
       integer :: i, n
       call find_motions(system, self%body, self%beside, self%small)
+      allocate (self%axis(size(self%body)), source=0)
+      allocate (self%travels(size(self%body)), source=.false.)
+      call add_travelling(self, system)
       lengths = connected_lengths(system)
       self%length = lengths(self%body)
       n = size(self%body)
       allocate (self%low(2, n), self%high(2, n), self%added(n), self%now(n), self%seen(n), self%stiff(n), &
          & source=0.0_wp)
       allocate (self%square(n), self%damping(n), source=-1.0_wp)
+      allocate (self%start(2, n), self%travel(n), source=0.0_wp)
       do i = 1, n
+         self%start(:, i) = seen_by(system%layout%q, self%body(i), ground, q)
          self%low(:, i) = place_of_motion(self, system, i, q)
       end do
       self%high = self%low
@@ -109,6 +123,66 @@ contains
       beside = [[(ground, i=1, count(tied))], beside]
    end subroutine find_motions
 
+   !> Motions of rigid bodies that may travel: along the axis of a place, speed or acceleration that a channel asks for, of two
+   !> bodies along the axis of which it asks for both, and of two bodies that a rod joins.
+   subroutine add_travelling(self, system)
+      type(motions_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      integer :: i, j, axis, found(2), count
+      do i = 1, size(system%model%joints)
+         if (system%model%joints(i)%place == place_at_distance) call add(system%constraints(i)%item%bodies(1), &
+            & system%constraints(i)%item%bodies(2), 0)
+      end do
+      do i = 1, size(system%model%channels)
+         do axis = 1, 2
+            count = 0
+            found = ground
+            associate (asked => system%model%channels(i)%quantities)
+               do j = 1, size(asked)
+                  if (axis_of(asked(j)%kind) /= axis) cycle
+                  if (count < 2) found(count + 1) = system%model%points(asked(j)%of)%body
+                  count = count + 1
+               end do
+            end associate
+            if (count == 1) call add(found(1), ground, axis)
+            if (count == 2) call add(found(1), found(2), axis)
+         end do
+      end do
+
+   contains
+
+      subroutine add(one, other, axis)
+         integer, intent(in) :: one, other, axis
+         integer :: body, beside
+         body = max(one, other)
+         beside = min(one, other)
+         if (body == ground .or. body == beside .or. (beside == ground .and. axis == 0)) return
+         if (system%layout%n(body) > 0) return
+         if (beside /= ground) then
+            if (system%layout%n(beside) > 0) return
+         end if
+         if (any(self%body == body .and. self%beside == beside .and. (self%axis == axis .or. .not. self%travels))) then
+            if (beside /= ground .or. any(self%body == body .and. self%beside == beside .and. self%axis == axis)) return
+         end if
+         self%body = [self%body, body]
+         self%beside = [self%beside, beside]
+         self%axis = [self%axis, axis]
+         self%travels = [self%travels, .true.]
+         self%small = [self%small, small]
+      end subroutine add
+
+   end subroutine add_travelling
+
+   !> 1, 2 of a place, speed or acceleration along x, y; 0 of others.
+   pure integer function axis_of(kind)
+      integer, intent(in) :: kind
+      select case (kind)
+      case (quantity_x, quantity_vx, quantity_ax); axis_of = 1
+      case (quantity_y, quantity_vy, quantity_ay); axis_of = 2
+      case default; axis_of = 0
+      end select
+   end function axis_of
+
    !> The place of a body, as it is seen from the ground or from another one [length].
    pure function place_of_motion(self, system, motion, q) result(place)
       type(motions_type), intent(in) :: self
@@ -117,8 +191,18 @@ contains
       !> Coordinates, or what is in their layout (nq)
       real(wp), intent(in) :: q(:)
       real(wp) :: place(2)
-      place = seen_by(system%layout%q, self%body(motion), self%beside(motion), q)
+      place = along_axis(self, motion, seen_by(system%layout%q, self%body(motion), self%beside(motion), q))
    end function place_of_motion
+
+   !> What a vector has along the axis of a motion.
+   pure function along_axis(self, motion, vector) result(part)
+      type(motions_type), intent(in) :: self
+      integer, intent(in) :: motion
+      real(wp), intent(in) :: vector(2)
+      real(wp) :: part(2)
+      part = vector
+      if (self%axis(motion) > 0) part(3 - self%axis(motion)) = 0.0_wp
+   end function along_axis
 
    !> Two components of a vector of all bodies, less those of the body beside.
    pure function seen_by(first, body, beside, vector) result(seen)
@@ -143,6 +227,8 @@ contains
          place = place_of_motion(self, system, i, q)
          self%low(:, i) = min(self%low(:, i), place)
          self%high(:, i) = max(self%high(:, i), place)
+         if (self%travels(i)) self%travel(i) = max(self%travel(i), &
+            & norm2(seen_by(system%layout%q, self%body(i), ground, q) - self%start(:, i)))
       end do
    end subroutine note_place
 
@@ -167,6 +253,7 @@ contains
       own = own_motion(self, motion)
       little = own > max(none, nothing*system%model%dynamics%tolerance)*self%length(motion) .and. &
          & own < self%small(motion)*self%length(motion)
+      if (self%travels(motion)) little = own > none*self%length(motion) .and. own < of_travel*self%travel(motion)
    end function moves_little
 
    !> Half of the way between the places that a body has been at [length].
@@ -204,7 +291,7 @@ contains
       end do
       do i = 1, size(self%body)
          if (.not. moves_little(self, system, i)) cycle
-         rate = seen_by(system%layout%w, self%body(i), self%beside(i), defect%rates)
+         rate = along_axis(self, i, seen_by(system%layout%w, self%body(i), self%beside(i), defect%rates))
          do k = 1, 3
             pushes(:, k) = place_of_motion(self, system, i, defect%push(:, k))
             path(:, k) = place_of_motion(self, system, i, defect%path(:, k))
@@ -226,7 +313,8 @@ contains
       real(wp), parameter :: part = 1.0e-3_wp
       real(wp), dimension(size(defect%q)) :: place, speed, of_place, of_speed
       real(wp) :: along(2), aside
-      along = direction(seen_by(system%layout%w, self%body(motion), self%beside(motion), defect%rates))
+      along = direction(along_axis(self, motion, seen_by(system%layout%w, self%body(motion), self%beside(motion), defect%rates)))
+      if (self%axis(motion) > 0) along = [real(wp) :: 2 - self%axis(motion), self%axis(motion) - 1]
       aside = part*own_motion(self, motion)
       place = 0.0_wp
       associate (at => system%layout%q(self%body(motion)))
@@ -310,8 +398,9 @@ contains
       if (any(dynamics%integrator == ['ALPHA     ', 'CONSERVING'])) power = 1.5_wp
       text = "body '"//system%model%bodies(self%body(worst))%name//"' moves by "//as_text(2*own_motion(self, worst), 2)//' '// &
          & system%model%units%length//' only'
+      if (self%axis(worst) > 0) text = text//' along '//trim(merge('x', 'y', self%axis(worst) == 1))
       if (self%beside(worst) /= ground) text = text//" beside body '"//system%model%bodies(self%beside(worst))%name//"'"
-      text = text//', little beside the '//as_text(self%length(worst), 2)//' '// &
+      text = text//', little beside the '//as_text(max(self%length(worst), self%travel(worst)), 2)//' '// &
          & system%model%units%length//' and the speeds of the scene, on whose scale errors are judged: its place may be off by'// &
          & ' about '//as_text(100*min(most, 1.0_wp), 2)//' % of that motion'//trim(merge(' or more', '        ', most > 1.0_wp))// &
          & '; use TOLERANCE='//as_text(max(1.0e-13_wp, dynamics%tolerance*(aim/most)**power), 1)
@@ -323,6 +412,8 @@ contains
       type(snapshot_type), intent(inout) :: snapshot
       call snapshot%exchange('own_steps', self%steps)
       call snapshot%exchange('own_looked', self%looked)
+      call snapshot%keep('own_start', self%start)
+      call snapshot%keep('own_travel', self%travel)
       call snapshot%keep('own_low', self%low)
       call snapshot%keep('own_high', self%high)
       call snapshot%keep('own_added', self%added)
@@ -331,7 +422,7 @@ contains
       call snapshot%keep('own_stiff', self%stiff)
       call snapshot%keep('own_square', self%square)
       call snapshot%keep('own_damping', self%damping)
-      ! Not saved: body, beside, length, small
+      ! Not saved: body, beside, axis, travels, length, small
    end subroutine exchange_motions
 
 end module limber_analysis_own_motions

@@ -314,7 +314,13 @@ contains
       largest = 0.0_wp
       if (self%rows > 0) largest = maxval(abs(self%side(self%motions + 1:)))
       if (.not. largest > 0.0_wp) return
-      drawn = maxval(abs(self%field(1:2, order, :)))
+      drawn = 0.0_wp
+      do i = 1, size(self%points)
+         associate (at => system%layout%q(system%model%points(self%points(i))%body))
+            e = carried(self%field(:, :, i), q(at:at + 3), v(at:at + 3), a(at:at + 3), order)
+         end associate
+         drawn = max(drawn, norm2(e(1:2)))
+      end do
       do i = 1, size(system%constraints)
          if (self%row(i) < 0) cycle
          associate (item => system%constraints(i)%item)

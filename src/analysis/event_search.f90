@@ -12,7 +12,8 @@ module limber_analysis_event_search
    use limber_multibody_system, only: system_type, workspace_type
    implicit none
    private
-   public :: event_search_type, event_crossing_type, start_search, begin_step, find_first, pass_crossing, end_step, choose_events
+   public :: event_search_type, event_crossing_type, start_search, begin_step, find_first, pass_crossing, end_step, choose_events, &
+      & contact_doubt
 
    !> Halvings of a step, and looks at it, at most
    integer, parameter :: deepest = 60, most_looks = 400
@@ -110,7 +111,7 @@ contains
             if (event%action == event_switch .and. event%to /= toggle) &
                & self%without(i) = system%on(event%switch) .eqv. event%to == turn_on
          end associate
-         if (self%without(i) .or. .not. before) cycle
+         if (self%without(i) .or. .not. before .or. system%model%events(i)%contact > 0) cycle
          self%side(i) = side_of(self%from%force(i))
          if (abs(self%from%force(i)) <= law_doubt(system%events(i), system%model%length, self%from, i, few)) &
             & self%side(i) = side_of(self%from%slope(i))
@@ -140,6 +141,8 @@ contains
       self%grazing = 0
       self%crossed = .false.
       self%behind = .false.
+      ! Gaps of contacts are never below zero
+      where (system%model%events(:size(self%side))%contact > 0) self%side = 1
       call read_state(system, work, t, self%q, self%v, self%from)
    end subroutine begin_step
 
@@ -209,8 +212,15 @@ contains
       !> Its index
       integer, intent(in) :: event
       is_clear = abs(moment%force(event)) > law_doubt(system%events(event), system%model%length, moment, event, &
-         & max(noise, doubted*self%tolerance))
+         & contact_doubt(self%tolerance))
    end function is_clear
+
+   !> Part of a place, and of the length of the scene, within which a gap has not been passed yet.
+   pure real(wp) function contact_doubt(tolerance)
+      !> Local error allowed in a step, relative to the scales
+      real(wp), intent(in) :: tolerance
+      contact_doubt = max(noise, doubted*tolerance)
+   end function contact_doubt
 
    !> Reads the scalars at a time of the dense output.
    subroutine look(self, system, work, integrator, t, moment)
@@ -270,7 +280,10 @@ contains
             ! A scalar that turns back near zero may cross it within the error of the run
             if (self%side(i)*a%slope(i) < 0.0_wp .and. self%side(i)*b%slope(i) > 0.0_wp) near = law_doubt(system%events(i), &
                & system%model%length, b, i, share*self%tolerance)
-            if (range%defined .and. (range%low > near .or. range%high < -near)) cycle
+            ! A contact touches where it would be passed without a doubt, not where it rests or comes near
+            if (system%model%events(i)%contact > 0) near = -contact_doubt(self%tolerance)*law_doubt(system%events(i), &
+               & system%model%length, b, i, 1.0_wp)
+            if (range%defined .and. (range%low > near .or. range%high < -abs(near))) cycle
             open = open + 1
             if (crossed == 0) crossed = -i
          end if

@@ -52,8 +52,8 @@ module limber_elements_stop
    !> Words that LAW takes
    type(word_spec_type), parameter :: words(*) = [ &
       & word_spec_type('STOP', 'SPRING', 'STIFFNESS, EXPONENT and DAMPING give the force beyond the limit; it gives way'), &
-      & word_spec_type('STOP', 'RIGID', 'in *DYNAMICS: impacts with RESTITUTION at the instants of the touches, which are rows of ' &
-      &    //'/events of the results; then the contact rests while it pushes, and opens when it would pull')]
+      & word_spec_type('STOP', 'RIGID', 'in *DYNAMICS: impacts with RESTITUTION at the touches, which are rows of /events of ' &
+      &    //'the results; behind its bounces the contact rests while it pushes, and opens when it would pull')]
    !> An example, as it stands in a deck of the tests
    character(*), parameter :: example(*) = [character(110) :: &
       & '*STOP, NAME=buffer, JOINT=left-guide, LEAST=-2, MOST=5, STIFFNESS=2e5, DAMPING=0.3']

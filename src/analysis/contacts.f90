@@ -11,7 +11,7 @@ module limber_analysis_contacts
    use limber_analysis_impact, only: impact_type, find_impact
    use limber_analysis_switched_start, only: set_states
    use limber_integrator_integrator, only: integrator_type
-   use limber_multibody_contact_impulses, only: gap_set_type, read_gaps, new_gap_set
+   use limber_multibody_contact_impulses, only: gap_set_type, read_gaps, new_gap_set, lift_gaps
    use limber_multibody_equations_of_motion, only: mechanical_energy
    use limber_multibody_projection, only: settle
    use limber_multibody_switching, only: set_switches, find_redundant
@@ -126,6 +126,7 @@ contains
          if (contact == 0) contact = self%held
          self%until = huge(t)
       end if
+      write (0,*) 'FO', integrator%t_before, t, self%release, contact
       if (contact == 0) return
       again = integrator%ends_on_samples .and. self%release < t - near .and. self%release > integrator%t_before + near
       if (again) then
@@ -229,6 +230,7 @@ contains
          list = pack([(i, i=1, size(closed))], closed .or. touched .or. gap <= scale)
          if (size(list) == 0) return
          call new_gap_set(system, work, list, set)
+         call lift_gaps(system, work, set, gap(list), sample%q, sample%v)
          allocate (impact%before(size(list)))
          impact%before = rate(list)
          call find_impact(system, work, set, sample%q, system%model%contacts(list)%restitution, low*scale(list), &
@@ -237,6 +239,8 @@ contains
             call refuse(system, t, list(minloc(rate(list), dim=1)), error)
             return
          end if
+         write (0,*) 'ST', t, impact%before, impact%behind, impact%impulse, impact%force, impact%acceleration, impact%rests, &
+         & gap(list), self%opens
          do i = 1, size(list)
             on(system%model%contacts(list(i))%switch) = impact%rests(i)
             call note_contact(self, events, system, t, list(i), closed(list(i)), touched(list(i)), low*scale(list(i)), &

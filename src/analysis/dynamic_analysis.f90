@@ -558,21 +558,29 @@ contains
          if (allocated(error)) return
          call forget_system(sample)
          if (looks_at_jumps(outcome%indicators)) call observe_state(scene, t, behind_break, sample, outcome)
-         integrator%work_at_start = sample%w
-         if (renewed) then
-            call replace_integrator(scene, dynamics, costs, t, sample, integrator, error)
-         else
-            call integrator%start(scene%system, scene%work, t, dynamics%end - dynamics%start, sample%q, sample%v, error)
-         end if
+         call go_on_from(renewed)
          if (allocated(error)) return
          call watch_laws()
-         call renew_efforts(recorder%efforts, scene%system)
          call start_watch(watch, t, sample%v)
          call start_turning(turning, scene%system, t, sample%q, sample%v, integrator%ends_on_samples)
          call follow_turns(t)
          call begin_events(events, scene%system, scene%work, t, sample%q, sample%v, integrator%work_at_start)
          call count_turn(events, scene%system, t, error)
       end subroutine turn_switch
+
+      !> Starts the integrator anew at the state of the sample.
+      subroutine go_on_from(renewed)
+         !> Whether the constraints may be others than before
+         logical, intent(in) :: renewed
+         call forget_system(sample)
+         integrator%work_at_start = sample%w
+         if (renewed) then
+            call replace_integrator(scene, dynamics, costs, t, sample, integrator, error)
+         else
+            call integrator%start(scene%system, scene%work, t, dynamics%end - dynamics%start, sample%q, sample%v, error)
+         end if
+         call renew_efforts(recorder%efforts, scene%system)
+      end subroutine go_on_from
 
       !> Lets contacts that are closed at the start strike or rest.
       subroutine begin_contacts()
@@ -581,13 +589,7 @@ contains
          call check_gaps(scene, t, integrator%tolerance, error)
          if (allocated(error)) return
          call turn_states(contacts, events, scene, t, integrator, recorder, sample, renewed, outcome, error)
-         if (allocated(error)) return
-         integrator%work_at_start = sample%w
-         if (renewed) then
-            call replace_integrator(scene, dynamics, costs, t, sample, integrator, error)
-         else
-            call integrator%start(scene%system, scene%work, t, dynamics%end - dynamics%start, sample%q, sample%v, error)
-         end if
+         if (.not. allocated(error)) call go_on_from(renewed)
          scene%q = sample%q
          scene%v = sample%v
       end subroutine begin_contacts

@@ -90,19 +90,19 @@ contains
       type(deck_type), intent(in) :: deck
       type(model_type), intent(in) :: model
       type(diagnostics_type), intent(inout) :: diagnostics
-      character(:), allocatable :: refused
+      character(17) :: refused
       integer :: i
       if (.not. allocated(model%steps)) return
+      refused = refusing(model)
       do i = 1, size(model%contacts)
          if (i > 1) then
             if (model%contacts(i - 1)%block == model%contacts(i)%block) cycle
          end if
          associate (block => deck%blocks(model%contacts(i)%block))
-            refused = refusing(model)
             if (refused /= '') then
-               call diagnostics%add(block%origin_of('LAW'), "stop '"//block%name()//"' is rigid, and "//refused// &
-                  & ' has no rigid stops', 'give the stop a STIFFNESS instead of LAW=RIGID, or leave '//refused//' to a deck'// &
-                  & ' without it')
+               call diagnostics%add(block%origin_of('LAW'), "stop '"//block%name()//"' is rigid, and "//trim(refused)// &
+                  & ' has no rigid stops', 'give the stop a STIFFNESS instead of LAW=RIGID, or leave '//trim(refused)// &
+                  & ' to a deck without it')
             else if (.not. any(model%steps%kind == step_dynamics)) then
                call diagnostics%add(block%origin_of('LAW'), "stop '"//block%name()//"' is rigid, and the deck has no *DYNAMICS", &
                   & 'rigid stops are those of a motion in time')
@@ -118,7 +118,7 @@ contains
    !> Keyword of the first analysis that refuses rigid stops; empty if there is none.
    pure function refusing(model) result(keyword)
       type(model_type), intent(in) :: model
-      character(:), allocatable :: keyword
+      character(17) :: keyword
       integer :: i
       keyword = ''
       do i = size(model%steps), 1, -1

@@ -66,6 +66,7 @@ contains
       row = minloc(b, dim=1)
       if (b(row) >= -negative) return
       enters = 2*n + 1
+      leaves = 0
       do i = 1, 50*(n + 1)
          leaves = basis(row)
          call exchange(table, row, enters)

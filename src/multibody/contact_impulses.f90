@@ -4,16 +4,18 @@
 module limber_multibody_contact_impulses
    use limber_base_kinds, only: wp
    use limber_model_model, only: ground
+   use limber_multibody_complementarity, only: solve_complementarity
    use limber_multibody_constraint, only: constraint_type, jacobian_type, new_jacobian
    use limber_multibody_contact_constraints, only: contact_constraint_type
    use limber_multibody_equations_of_motion, only: accelerations, accelerate
    use limber_multibody_idle_parts, only: idle_constraint_type
    use limber_multibody_kinematics, only: place_frames, move_frames
+   use limber_multibody_layout, only: normalise_frames
    use limber_multibody_plane_vectors, only: cross
    use limber_multibody_system, only: system_type, workspace_type, contact_constraint
    implicit none
    private
-   public :: gap_set_type, read_gaps, new_gap_set, add_impulses, gap_accelerations, contact_push
+   public :: gap_set_type, read_gaps, new_gap_set, lift_gaps, add_impulses, gap_accelerations, contact_push
 
    !> Gaps that are looked at together
    type :: gap_set_type
@@ -118,6 +120,35 @@ contains
       end subroutine add_own
 
    end subroutine find_row
+
+   !> Lifts coordinates by which gaps are below zero, least in the mass norm: what a projection onto joints has passed them by.
+   subroutine lift_gaps(system, work, set, gap, q, v)
+      type(system_type), intent(in) :: system
+      !> Kinematics are placed
+      type(workspace_type), intent(in) :: work
+      type(gap_set_type), intent(in) :: set
+      !> Small (n) [length or rad]
+      real(wp), intent(in) :: gap(:)
+      !> Coordinates, and velocities, which turn with their frames (nq)
+      real(wp), intent(inout) :: q(:), v(:)
+      real(wp) :: lift(size(gap)), way(size(q)), angle
+      integer :: i, first
+      logical :: solved
+      call solve_complementarity(set%mobility, gap, lift, solved)
+      if (.not. solved .or. .not. any(lift > 0.0_wp)) return
+      way = 0.0_wp
+      call add_impulses(system, work, set, lift, way)
+      do i = 1, size(system%layout%q)
+         if (.not. system%layout%framed(i)) cycle
+         first = system%layout%q(i) + 2
+         associate (u => work%kinematics%frames(i)%u)
+            angle = cross(u, way(first:first + 1))
+            v(first:first + 1) = v(first:first + 1) - angle*cross(u, v(first:first + 1))*u
+         end associate
+      end do
+      q = q + way
+      call normalise_frames(system%layout, q)
+   end subroutine lift_gaps
 
    !> Changes velocities by impulses at gaps, eq. (5.81).
    subroutine add_impulses(system, work, set, impulses, v)

@@ -38,6 +38,8 @@ module limber_accuracy_advice
    !> Part of the target below which the expected error of a beam does not matter, and part below which all that its deflection does
    !> to the channels does not
    real(wp), parameter :: no_matter = 0.02_wp, no_effect = 0.2_wp
+   !> Part of a beam's share of the target that the stretch must be expected to make
+   real(wp), parameter :: of_stretch = 0.1_wp
    !> Highest rung that a search begins with: an expectation may be far too large
    integer, parameter :: first_highest = 6
 
@@ -59,7 +61,7 @@ contains
       if (allocated(error)) return
       allocate (advice%expected(size(advice%rungs)))
       associate (beams => advice%probe%beams)
-         advice%share = part_model*target/max(1, count(beams%effect + beams%stretch > no_effect*target))
+         advice%share = part_model*target/max(1, count(beams%effect + beams%stretch + beams%ringing > no_effect*target))
          do i = 1, size(beams)
             highest = first_highest
             if (present(unverified)) highest = merge(advice%rungs(i)%highest, first_highest, unverified)
@@ -118,7 +120,8 @@ contains
       integer :: n
       if (rung%step == 0) then
          ! What a tension holds straight is slack where that is gone
-         error = max(beam%effect + beam%stretch, min(1.0_wp, 0.25_wp*max(beam%slope, beam%slack_slope)**2))
+         error = max(beam%effect + beam%stretch + beam%ringing, &
+            & min(1.0_wp, 0.25_wp*max(beam%slope, beam%slack_slope)**2))
          return
       end if
       n = functions_of(rung)
@@ -133,13 +136,18 @@ contains
       if (rung%level < level_exact) error = error + beam%effect*min(1.0_wp, 4*beam%slope**2)
    end function expected_error
 
-   !> The part of it that functions of the strain would take away.
+   !> The part of it that functions of the strain would take away: what is left of vibrations along the beam only runs show.
    pure real(wp) function expected_stretch(rung, beam) result(error)
       type(level_type), intent(in) :: rung
       type(forecast_type), intent(in) :: beam
       error = 0.0_wp
-      if (rung%step > 0) error = whole_stretch(beam)
-      if (strains_of(rung) > 0) error = error*min(0.7_wp, 0.9_wp/strains_of(rung)**2)
+      if (rung%step == 0) return
+      error = whole_stretch(beam)
+      if (strains_of(rung) > 0) then
+         error = error*min(0.7_wp, 0.9_wp/strains_of(rung)**2)
+      else
+         error = error + beam%ringing
+      end if
    end function expected_stretch
 
    !> What a beam that does not stretch leaves out: the stretch itself, and what a beam that is longer deflects more.
@@ -175,15 +183,23 @@ contains
       integer, intent(in) :: i
       !> What an axial force in units of Euler's load makes of the bending by the stretch, which no channel of the rigid scene shows
       real(wp), parameter :: of_force = 4.0e-3_wp
-      !> Part of the beam's share of the target that the stretch must be expected to make
-      real(wp), parameter :: of_stretch = 0.1_wp
       associate (beam => advice%probe%beams(i))
          check = advice%rungs(i)
          if (.not. matters(advice, i)) return
-         check = richer(check, 0, advice%surprise*max(whole_stretch(beam), of_force*beam%force) > &
+         check = richer(check, 0, advice%surprise*max(whole_stretch(beam), of_force*beam%force, beam%ringing) > &
             & of_stretch*advice%share/part_model .or. is_forced(advice, i) .or. advice%probe%blind)
       end associate
    end function strained_rung
+
+   !> Whether forces or accelerations that channels ask for have so much of vibrations along a beam in them that no step may damp
+   !> these.
+   pure logical function rings_along(advice, i)
+      type(advice_type), intent(in) :: advice
+      integer, intent(in) :: i
+      !> Part of the target
+      real(wp), parameter :: much = 0.3_wp
+      rings_along = advice%probe%beams(i)%ringing > much*advice%target
+   end function rings_along
 
    !> Takes note of an error of the models that a verification has shown.
    pure subroutine note_surprise(advice, error)
@@ -195,13 +211,13 @@ contains
          & advice%surprise = max(advice%surprise, error/max(sum(advice%expected), error/most))
    end subroutine note_surprise
 
-   !> Whether the axial force of a beam is so large that its axial vibrations matter to its bending.
+   !> Whether the axial force of a beam is so large that its axial vibrations matter to its bending, or channels show them.
    pure logical function is_forced(advice, i)
       type(advice_type), intent(in) :: advice
       integer, intent(in) :: i
       !> Axial force in units of Euler's load from which on they do
       real(wp), parameter :: forced = 0.3_wp
-      is_forced = advice%probe%beams(i)%force > forced
+      is_forced = advice%probe%beams(i)%force > forced .or. rings_along(advice, i)
    end function is_forced
 
    !> Whether a beam is to be verified: always if it bends, for the probe moves it slowly and by loads that do not answer its
@@ -234,9 +250,13 @@ contains
    !> less than the target, for a smaller tolerance costs little more once it is known to be needed.
    pure subroutine begin_bending(advice)
       type(advice_type), intent(inout) :: advice
+      integer :: i
       if (.not. (advice%open_integrator .and. advice%open_tolerance .and. any(advice%rungs%step > 0))) return
       advice%integrator = 'RADAU'
       advice%tolerance = min(largest_tolerance, max(wanted_tolerance(advice), advice%target))
+      do i = 1, size(advice%rungs)
+         if (rings_along(advice, i)) advice%tolerance = wanted_tolerance(advice)
+      end do
    end subroutine begin_bending
 
    !> Tolerance whose error of the integration is its part of the target: eq. (7.85).
@@ -259,6 +279,9 @@ contains
          associate (beam => advice%probe%beams(i))
             if (beam%effect > no_matter*advice%target) tolerance = min(tolerance, part_time*advice%target &
                & *beam%deflection/(of_deflections*beam%effect))
+            ! Steps over vibrations along it would damp them
+            if (rings_along(advice, i)) tolerance = min(tolerance, part_time*advice%target &
+               & *beam%ringing_size/(of_deflections*beam%ringing))
          end associate
       end do
       if (any(advice%rungs%step > 0)) tolerance = max(part_least*advice%target, tolerance)

@@ -19,6 +19,7 @@ module limber_accuracy_candidate
    use limber_integrator_integrator, only: integrator_type
    use limber_integrator_statistics, only: step_statistics_type
    use limber_model_model, only: channel_type
+   use limber_monitor_function_channels, only: lost_along
    use limber_output_progress, only: progress_type
    use limber_output_channel_values, only: sample_width
    use limber_output_sample_sink, only: memory_type
@@ -47,6 +48,9 @@ module limber_accuracy_candidate
       character(:), allocatable :: reason
       !> Whether it was given up as it left the samples of another by too much
       logical :: leaves = .false.
+      !> What may be off of forces that channels ask for, as beams vibrate along themselves in ways that their functions of the
+      !> strain do not follow, relative
+      real(wp) :: ringing = 0.0_wp
       !> Counted work of its time loop, eq. (7.97); the same on every machine
       real(wp) :: work = 0.0_wp
       character(10) :: integrator = ''
@@ -150,6 +154,7 @@ contains
          end if
          trial%work = trial%statistics%evaluations*work_of(scene%system%layout%nw)
          trial%integrator = model%dynamics%integrator
+         if (allocated(trial%outcome%indicators)) trial%ringing = lost_along(trial%outcome%indicators%functions, model)
          if (allocated(trial%samples%truth)) deallocate (trial%samples%truth)
          if (allocated(failure)) then
             trial%reason = first_line(failure%message)
@@ -203,6 +208,7 @@ contains
       to%samples%samples = from%samples%samples
       to%statistics = from%statistics
       to%work = from%work
+      to%ringing = from%ringing
       to%integrator = from%integrator
       call take_samples(from%samples%memory_type, to%samples%memory_type)
       call move_alloc(from%outcome, to%outcome)

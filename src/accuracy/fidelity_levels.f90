@@ -10,7 +10,7 @@ module limber_accuracy_fidelity_levels
    implicit none
    private
    public :: level_type, find_rungs, given_rung, bare_deck, apply_rung, richer, poorer, verifying, can_climb, rung_name, names_of
-   public :: functions_of, strains_of, same_rungs
+   public :: functions_of, strains_of, same_rungs, with_one_strain
 
    !> Models of a beam that bends
    integer, parameter, public :: level_linear = 1, level_kg = 2, level_exact = 3
@@ -174,6 +174,13 @@ contains
       if (rung%open_functions) richer%step = min(rung%highest, rung%step + steps)
       if (richer%step > 0 .and. rung%open_strains) richer%stretches = rung%stretches .or. stretches
    end function richer
+
+   !> A beam that bends with one function of the strain, if it has none and the deck leaves it open.
+   elemental type(level_type) function with_one_strain(rung)
+      type(level_type), intent(in) :: rung
+      with_one_strain = rung
+      if (rung%step > 0 .and. rung%open_strains) with_one_strain%least = max(1, rung%least)
+   end function with_one_strain
 
    !> The rung that verifies another.
    elemental type(level_type) function verifying(rung, stretches)

@@ -105,13 +105,17 @@ contains
 
    !> Coordinates that forces make from rest: each mode answers a force that is linear between the samples
    !> exactly, eq. (7.74).
-   subroutine follow_forces(times, forces, stiffness, square, vectors, eta, speed)
+   subroutine follow_forces(times, forces, stiffness, square, vectors, eta, speed, balanced, swing)
       !> Times (samples); forces on the coordinates at each (n, samples)
       real(wp), intent(in) :: times(:), forces(:, :)
       !> Stiffness of the coordinates, modes of the scene (n), (n), (n, n)
       real(wp), intent(in) :: stiffness(:), square(:), vectors(:, :)
       !> Coordinates (n, samples), and the largest speed of each (n)
       real(wp), intent(out) :: eta(:, :), speed(:)
+      !> Whether they begin in balance with the first forces, not at zero
+      logical, intent(in), optional :: balanced
+      !> Largest part of each that is vibration about its value at rest (n)
+      real(wp), intent(out), optional :: swing(:)
       real(wp) :: static(size(stiffness)), before(size(stiffness)), x(size(stiffness)), v(size(stiffness)), slope, h, omega, c, s
       real(wp) :: gap, shapes(size(stiffness), size(stiffness))
       integer :: i, k
@@ -122,8 +126,11 @@ contains
       v = 0.0_wp
       before = matmul(forces(:, 1), shapes)
       static = before
-      eta(:, 1) = 0.0_wp
+      if (present(balanced)) x = merge(static, x, balanced)
+      eta(:, 1) = matmul(shapes, x)
       speed = 0.0_wp
+      if (present(swing)) swing = 0.0_wp
+      call take_swing()
       do k = 2, size(times)
          static = matmul(forces(:, k), shapes)
          h = times(k) - times(k - 1)
@@ -140,7 +147,17 @@ contains
          before = static
          eta(:, k) = matmul(shapes, x)
          speed = max(speed, abs(matmul(shapes, v)))
+         call take_swing()
       end do
+
+   contains
+
+      !> Takes in the vibrations at a sample. What the constraints hold does not vibrate.
+      subroutine take_swing()
+         if (present(swing)) swing = max(swing, &
+            & abs(matmul(shapes, merge(x - static, 0.0_wp, square > unmoved*minval(stiffness)))))
+      end subroutine take_swing
+
    end subroutine follow_forces
 
    !> The first coordinate alone, with and without the stiffness that the axial force adds: largest magnitude with it, and largest

@@ -39,6 +39,9 @@ module limber_accuracy_pilot_run
       real(wp) :: effect = 0.0_wp
       !> The same for its axial coordinates
       real(wp) :: stretch = 0.0_wp
+      !> Part of a channel of forces or accelerations that vibrations along the beam make, which its stretch at rest does not, and
+      !> their displacement relative to the length
+      real(wp) :: ringing = 0.0_wp, ringing_size = 0.0_wp
       !> True if a channel asks for what a rigid beam does not have
       logical :: asked = .false.
       !> Relative change of the deflection by the axial force, and that force relative to the buckling load
@@ -88,7 +91,8 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(scene_type) :: rigid, flexible, exact
       type(track_type) :: track
-      real(wp), allocatable :: mobility(:, :), stiffness(:), square(:), vectors(:, :), eta(:, :), speed(:)
+      real(wp), allocatable :: mobility(:, :), stiffness(:), square(:), vectors(:, :), eta(:, :), speed(:), swing(:)
+      real(wp), allocatable :: other(:, :), its_speed(:)
       real(wp) :: clock(2)
       logical :: done
       integer :: i
@@ -128,15 +132,21 @@ contains
          call find_mobility(flexible, mobility, stiffness, error)
          if (allocated(error)) return
          associate (n => size(stiffness))
-            allocate (square(n), vectors(n, n), eta(n, track%count), speed(n))
+            allocate (square(n), vectors(n, n), eta(n, track%count), speed(n), swing(n))
          end associate
          call vibration_modes(mobility, stiffness, square, vectors, done)
-         call follow_forces(track%times(:track%count), track%forces(:, :track%count), stiffness, square, vectors, eta, &
-            & speed)
+         associate (times => track%times(:track%count), forces => track%forces(:, :track%count))
+            call follow_forces(times, forces, stiffness, square, vectors, eta, speed, swing=swing)
+            if (exact%system%model%assembly%static_deflections) then
+               allocate (other, source=eta)
+               allocate (its_speed, source=speed)
+               call follow_forces(times, forces, stiffness, square, vectors, other, its_speed, .true., swing)
+            end if
+         end associate
          do i = 1, size(probe%beams)
             call look_at_beam(flexible, track, mobility, stiffness, eta, probe%beams(i))
          end do
-         call look_at_channels(flexible, track, eta, speed, probe)
+         call look_at_channels(flexible, track, eta, speed, swing, probe)
          call look_at_phases(mobility, stiffness, probe)
       end if
       call cpu_time(clock(2))
@@ -427,11 +437,13 @@ contains
    end subroutine look_at_beam
 
    !> What each coordinate does to the channels.
-   subroutine look_at_channels(scene, track, eta, speed, probe)
+   subroutine look_at_channels(scene, track, eta, speed, swing, probe)
       type(scene_type), intent(inout) :: scene
       type(track_type), intent(in) :: track
       !> Coordinates at the samples (n, samples), and the largest speed of each (n)
       real(wp), intent(in) :: eta(:, :), speed(:)
+      !> What of each vibrates (n)
+      real(wp), intent(in) :: swing(:)
       type(pilot_type), intent(inout) :: probe
       type(recorder_type) :: recorder
       real(wp), allocatable :: values(:), moved(:), largest(:), slope(:, :), amplitude(:)
@@ -503,11 +515,15 @@ contains
       !> Parts of the channels, relative to their largest values.
       subroutine weigh(beam)
          type(forecast_type), intent(inout) :: beam
-         !> Part of a channel below which bending makes nothing of it
-         real(wp), parameter :: no_bending = 0.01_wp
-         real(wp) :: whole, sum_of, along, of_forces
-         integer :: c, m
-         of_forces = 0.0_wp
+         real(wp) :: whole, sum_of, along
+         integer :: c, m, first, last
+         first = beam%first + beam%bending
+         last = first + beam%axial - 1
+         associate (body => scene%system%model%bodies(beam%body))
+            do m = 1, beam%axial
+               beam%ringing_size = beam%ringing_size + maxval(abs(body%field%u(:, m)))*swing(first + m - 1)/body%beam%length
+            end do
+         end associate
          do c = 1, channels
             whole = largest(c)
             sum_of = sum(slope(c, :))
@@ -518,12 +534,15 @@ contains
             end do
             beam%effect = max(beam%effect, sum(slope(c, beam%first:beam%first + beam%bending - 1))/whole)
             if (beam%axial == 0) cycle
-            along = sum(slope(c, beam%first + beam%bending:beam%first + beam%bending + beam%axial - 1))/whole
-            if (is_of_motion(c)) beam%stretch = max(beam%stretch, along)
-            of_forces = max(of_forces, along)
+            along = sum(slope(c, first:last))/whole
+            if (is_of_motion(c)) then
+               beam%stretch = max(beam%stretch, along)
+               cycle
+            end if
+            if (largest(c) > 0.0_wp) whole = largest(c)
+            along = sum(slope(c, first:last)*swing(first:last)/max(amplitude(first:last), tiny(whole)))
+            beam%ringing = max(beam%ringing, min(1.0_wp, along/whole))
          end do
-         ! A bar that only stretches
-         if (beam%effect <= no_bending) beam%stretch = max(beam%stretch, of_forces)
          beam%part = min(1.0_wp, beam%softening*beam%part)
          beam%effect = min(1.0_wp, beam%softening*beam%effect)
          if (beam%asked) beam%effect = 1.0_wp

@@ -48,6 +48,8 @@ module limber_accuracy_reached_target
       real(wp) :: cpu = 0.0_wp, work = 0.0_wp
       !> Whether the start without deflections sets off vibrations of its candidate
       logical :: is_struck = .false.
+      !> Whether beams of it vibrate along themselves in ways that its functions do not follow
+      logical :: is_ringing = .false.
       !> Whether a run was given up as the search had cost all that it may
       logical :: spent = .false.
       !> What was climbed, a line for each
@@ -108,6 +110,9 @@ contains
             reached%reason = reached%reason//'the run one level higher that is to verify it fails'
          end if
       end if
+      if (reached%is_ringing) reached%reason = reached%reason//newline//'   Beams vibrate along themselves under sudden or fast'// &
+         & ' loads, and the forces and accelerations asked for have that in them, which functions of the strain follow slowly:'// &
+         & ' ask for less or a shorter time, damp them (*DAMPING), or let loads begin slowly'
       if (reached%is_struck) reached%reason = reached%reason//newline//'   The start without deflections sets off vibrations:'// &
          & ' *ASSEMBLY, INITIAL DEFLECTIONS=STATIC begins in balance'
       if (reached%fixed /= '' .and. reached%of_fixed <= 0.0_wp) reached%reason = reached%reason//newline// &

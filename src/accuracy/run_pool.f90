@@ -7,7 +7,8 @@ module limber_accuracy_run_pool
    use limber_accuracy_fidelity_levels, only: level_type, same_rungs, names_of
    use limber_accuracy_candidate, only: candidate_type, run_request_type, run_trial
    use limber_accuracy_reference_run, only: reference_run_type, error_against
-   use limber_accuracy_search_thresholds, only: least_budget, least_tolerance, most_first, second
+   use limber_accuracy_search_thresholds, only: least_budget, least_tolerance, most_first, most_ringing, &
+      & much_ringing, second
    use limber_deck_content, only: deck_type
    use limber_integrator_bound_steps, only: bound_steps_type
    use limber_output_progress, only: teller_type
@@ -77,7 +78,8 @@ contains
       self%runs = self%runs + 1
       self%cpu = self%cpu + trial%outcome%cpu
       self%work = self%work + trial%work
-      if (self%runs == 1 .and. trial%reason == '') self%budget = least_budget + most_first*trial%work
+      if (self%runs == 1 .and. trial%reason == '') self%budget = least_budget &
+         & + merge(most_ringing, most_first, trial%ringing > much_ringing)*trial%work
       if (trial%reason /= '') self%spent = self%spent .or. self%work >= 0.999_wp*self%budget
       if (trial%reason == '' .and. .not. present(aside)) call keep(self, asked, trial)
    end subroutine run_in_pool

@@ -20,6 +20,8 @@ module limber_accuracy_search_decisions
       real(wp) :: target = 0.0_wp, tolerance = 0.0_wp
       !> Whether beams are to be verified; whether their strain is
       logical :: has_beams = .false., asks_strain = .false.
+      !> Whether the strain of beams without any is looked at that nothing is expected of
+      logical :: looks_strain = .false.
       !> What was measured
       logical :: time_known = .false., model_known = .false., strain_known = .false.
       !> Errors of the integration, of the functions, by the strain, and of all that is known together
@@ -38,8 +40,8 @@ module limber_accuracy_search_decisions
       logical :: can_further = .false., furthered = .false.
       !> Largest difference from the reference, without the error of that
       real(wp) :: difference = 0.0_wp
-      !> Counted work of the run with strain
-      real(wp) :: strain_work = 0.0_wp
+      !> Counted work of the run with strain, and of the companion run
+      real(wp) :: strain_work = 0.0_wp, companion_work = 0.0_wp
       !> What the deck leaves open and the levels allow
       logical :: can_tighten = .false., can_loosen = .false., can_refine = .false., can_strain = .false.
    end type evidence_type
@@ -68,7 +70,7 @@ contains
          trial = mending(e)
       else if (e%of_time > time_too_large*e%target .and. e%can_tighten .and. .not. hides_time(e)) then
          trial = tighten
-      else if (e%has_beams .and. e%asks_strain .and. .not. e%strain_known) then
+      else if (e%has_beams .and. (e%asks_strain .or. e%looks_strain) .and. .not. e%strain_known) then
          trial = measure_strain
       else
          trial = keep

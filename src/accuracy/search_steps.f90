@@ -7,15 +7,15 @@ module limber_accuracy_search_steps
    use limber_accuracy_advice, only: advice_type, check_rung, strained_rung, is_forced, rest_beyond, note_surprise, begin_bending, &
       & expected_error, cost_of
    use limber_accuracy_candidate, only: candidate_type, run_request_type, take_trial
-   use limber_accuracy_fidelity_levels, only: level_type, richer, can_climb, same_rungs, names_of
+   use limber_accuracy_fidelity_levels, only: level_type, richer, can_climb, same_rungs, with_one_strain, names_of
    use limber_accuracy_reached_target, only: reached_type
    use limber_accuracy_reference_run, only: reference_run_type, error_against, largest_difference, place_of, rest_of
    use limber_accuracy_run_pool, only: pool_type
    use limber_accuracy_search_decisions, only: evidence_type, levels_up, looser_tolerance, strain_tolerance, &
       & smaller_tolerance
    use limber_accuracy_search_thresholds, only: cheaper, companion_bounds, companion_part, doubt, follows_strain, &
-      & joint_rest, largest_tolerance, least_patience, least_verified, look_factor, noticed, of_adams, patience_model, &
-      & patience_next, patience_strain, patience_time, together
+      & joint_rest, largest_tolerance, least_patience, least_verified, look_factor, look_enough, look_first, look_margin, &
+      & much_ringing, noticed, of_adams, patience_model, patience_next, patience_strain, patience_time, together
    implicit none
    private
    public :: target_search_type, first_run, next_run, time_step, model_step, strain_step, tighten_step, loosen_step, refine_step, &
@@ -98,7 +98,9 @@ contains
       end do
       call take_trial(next, s%candidate)
       s%evidence%time_known = .false.
-      if (.not. allocated(error) .and. s%candidate%reason == '') call s%pool%allow(s%candidate%work)
+      ! Vibrations along beams that their functions do not follow take more and more of them
+      if (.not. allocated(error) .and. s%candidate%reason == '' .and. s%candidate%ringing <= much_ringing) &
+         & call s%pool%allow(s%candidate%work)
    end subroutine next_run
 
    !> A run of the present integrator.
@@ -161,6 +163,7 @@ contains
          end associate
          e%time_known = .true.
          e%of_time = reached%of_time
+         e%companion_work = finer%work
       end associate
    end subroutine time_step
 
@@ -206,22 +209,50 @@ contains
       end associate
    end subroutine model_step
 
-   !> Measures what the strain changes by a run of the same functions, eq. (7.89).
+   !> Measures what the strain changes by a run of the same functions, eq. (7.89): with all functions of the strain where it is
+   !> expected to matter, else with one.
    subroutine strain_step(s, error)
       type(target_search_type), intent(inout) :: s
       type(error_type), allocatable, intent(out) :: error
       real(wp), allocatable :: change(:, :)
+      real(wp) :: margin
       associate (e => s%evidence)
-         call find_change(s, strained_rungs(s%reached%advice), tolerance_of_strain(s), 'strain of ', patience_strain, change, &
-            & error, e%strain_work)
+         margin = 1.0_wp
+         if (e%asks_strain) then
+            call find_change(s, strained_rungs(s%reached%advice), tolerance_of_strain(s), 'strain of ', patience_strain, change, &
+               & error, e%strain_work)
+         else
+            margin = look_margin
+            call look_at_strain(s, change, error)
+         end if
          if (allocated(error)) return
          e%strain_known = .true.
          e%of_strain = huge(1.0_wp)
          if (.not. allocated(change)) return
-         s%reference%of_strain = maxval(abs(change), 2)
+         s%reference%of_strain = margin*maxval(abs(change), 2)
          e%of_strain = maxval([0.0_wp, s%reference%of_strain/s%reference%scale])
       end associate
    end subroutine strain_step
+
+   !> What one function of the strain changes. Runs at the tolerance of the candidate also differ by their steps: they are enough if
+   !> even that is little, and are tried first where the companion run costs much more.
+   subroutine look_at_strain(s, change, error)
+      type(target_search_type), intent(inout) :: s
+      real(wp), allocatable, intent(out) :: change(:, :)
+      type(error_type), allocatable, intent(out) :: error
+      type(level_type) :: rungs(size(s%reached%advice%rungs))
+      rungs = with_one_strain(s%reached%advice%rungs)
+      if (s%evidence%companion_work > look_first*s%candidate%work) then
+         call find_change(s, rungs, s%reached%advice%tolerance, 'strain of ', patience_strain, change, error, &
+            & s%evidence%strain_work)
+         if (allocated(error)) return
+         if (allocated(change)) then
+            if (all(maxval(abs(change), 2) <= look_enough*s%target*s%reference%scale)) return
+            deallocate (change)
+         end if
+      end if
+      call find_change(s, rungs, s%reference%tolerance, 'strain of ', patience_strain, change, error, s%evidence%strain_work)
+   end subroutine look_at_strain
 
    !> Measures functions and strain by one run, where their sum is too large, eq. (7.90).
    subroutine joint_step(s, error)
@@ -440,7 +471,8 @@ contains
          e%can_refine = any(check%step > advice%rungs%step .and. advice%rungs%open_functions .and. &
             & advice%rungs%step < advice%rungs%highest - 1)
          e%can_strain = any(advice%rungs%open_strains .and. .not. advice%rungs%stretches .and. advice%rungs%step > 0)
-         e%can_join = e%strain_known .and. e%asks_strain .and. e%strain_work*cost_ratio(advice) < together*s%candidate%work
+         e%looks_strain = e%can_strain
+         e%can_join = e%strain_known .and. e%looks_strain .and. e%strain_work*cost_ratio(advice) < together*s%candidate%work
          if (e%joined > 0) e%can_join = e%joined == 1 .and. reference%tolerance < 0.9_wp*tolerance_of_strain(s)
          e%can_surer = e%time_known .and. reference%tolerance < 0.9_wp*e%model_tolerance
          e%can_further = any(check%step > advice%rungs%step .and. check%step < check%highest) .and. &

@@ -50,6 +50,12 @@ module limber_accuracy_search_thresholds
    !> Difference from the reference over the target up to which the reference is improved, not the candidate. Measured: rotor,
    !> two_wagons
    real(wp), parameter :: room = 0.75_wp
+   !> What one function of the strain shows is taken to be less than what all of it does by this factor. Measured: 0.85 to 1 of it,
+   !> where it matters
+   real(wp), parameter :: look_margin = 1.25_wp
+   !> Work of the companion run over that of the candidate from which on the strain is looked at by the tolerance of the candidate
+   !> first, and what that may show of the target to be enough. Measured: two_wagons, turbine_blade
+   real(wp), parameter :: look_first = 1.5_wp, look_enough = 0.15_wp
    !> Ratio of tolerances up to which a measured error of the models counts for a smaller tolerance. Measured: two companion runs
    real(wp), parameter :: stale = 6.0_wp
 
@@ -75,6 +81,10 @@ module limber_accuracy_search_thresholds
    !> takes
    !> about a second at most
    real(wp), parameter :: least_budget = 3.0e6_wp, most_first = 60.0_wp, second = 3.0e5_wp
+   !> Part of forces that vibrations along beams make wrong from which on a search is given less, as such errors fall slowly: so
+   !> many times the work of the first run, and none for a candidate that takes more than that. Measured: rods whose weight begins
+   !> at once
+   real(wp), parameter :: much_ringing = 5.0e-3_wp, most_ringing = 15.0_wp
    !> Most rounds of a search
    integer, parameter :: most_rounds = 200
 

@@ -11,6 +11,7 @@ module limber_accuracy_study_plan
    use limber_deck_keywords, only: keyword_options, split_values
    use limber_deck_reader, only: read_deck, beside
    use limber_deck_schema, only: option_spec_type
+   use limber_deck_study_checks, only: study_beams, place_of, counts_by_kind
    use limber_model_analyses, only: single_dynamics
    implicit none
    private
@@ -19,10 +20,6 @@ module limber_accuracy_study_plan
    !> What can be varied
    integer, parameter, public :: axes = 5, axis_integrator = 1, axis_tolerance = 2, axis_modes = 3, axis_elements = 4, &
       & axis_fidelity = 5
-
-   !> Lists that mean something of beams with modes, and of exact ones
-   character(*), parameter :: lists_of_modes(3) = [character(18) :: 'modes', 'bending modes', 'geometric elements'], &
-      & lists_of_exact(2) = [character(18) :: 'functions', 'strain functions']
 
    !> The values of one option
    type :: varied_type
@@ -100,7 +97,7 @@ contains
       plan%samples = scene%system%model%dynamics%outputs + 1
       plan%reference = ''
       block = plan%deck%find('STUDY')
-      call find_beams(plan, block)
+      plan%beams = study_beams(plan%deck, block)
       call plan_axes(plan, block)
       if (block > 0) then
          plan%repeats = plan%deck%blocks(block)%integer('REPEATS')
@@ -108,24 +105,9 @@ contains
          plan%limit = plan%deck%blocks(block)%real('LIMIT')
          if (plan%deck%blocks(block)%has('REFERENCE')) plan%reference = beside( &
             & plan%deck%source%files(plan%deck%blocks(block)%origin%file)%path, plan%deck%blocks(block)%text('REFERENCE'))
-         call check_lists(plan, block, diagnostics)
       end if
-      call choose_channels(plan, block, scene, diagnostics)
-      if (diagnostics%count > 0) call raise(error, diagnostics%render(plan%deck%source), status_deck)
+      call choose_channels(plan, block, scene)
    end subroutine read_plan
-
-   !> The beams that are varied.
-   subroutine find_beams(plan, block)
-      type(plan_type), intent(inout) :: plan
-      !> Index of *STUDY; 0 without
-      integer, intent(in) :: block
-      integer :: i
-      plan%beams = plan%deck%indices('BEAM')
-      if (block == 0) return
-      if (.not. plan%deck%blocks(block)%has('BEAM')) return
-      plan%beams = pack(plan%beams, [(plan%deck%blocks(plan%beams(i))%name() == plan%deck%blocks(block)%name('BEAM'), &
-         & i=1, size(plan%beams))])
-   end subroutine find_beams
 
    !> The values of each axis.
    subroutine plan_axes(plan, block)
@@ -286,12 +268,6 @@ contains
       end do
    end function by_kind
 
-   pure logical function counts_by_kind(deck, beam)
-      type(deck_type), intent(in) :: deck
-      integer, intent(in) :: beam
-      counts_by_kind = deck%blocks(beam)%given('BENDING MODES') .or. deck%blocks(beam)%given('AXIAL MODES')
-   end function counts_by_kind
-
    !> Whether the geometric elements of a beam matter.
    pure logical function bends_geometrically(plan)
       type(plan_type), intent(in) :: plan
@@ -302,82 +278,11 @@ contains
       end do
    end function bends_geometrically
 
-   !> Line of *STUDY with a list; 0: none.
-   pure integer function place_of(deck, block, name) result(line)
-      type(deck_type), intent(in) :: deck
-      !> Index of *STUDY; 0 without
-      integer, intent(in) :: block
-      !> Name of the list
-      character(*), intent(in) :: name
-      line = 0
-      if (block == 0) return
-      do line = size(deck%blocks(block)%lines), 1, -1
-         if (deck%blocks(block)%lines(line)%text(1) == name) return
-      end do
-   end function place_of
-
-   !> Lists that cannot be meant.
-   subroutine check_lists(plan, block, diagnostics)
-      type(plan_type), intent(in) :: plan
-      integer, intent(in) :: block
-      type(diagnostics_type), intent(inout) :: diagnostics
-      integer :: i, k
-      associate (lines => plan%deck%blocks(block)%lines)
-         do i = 1, size(lines)
-            k = place_of(plan%deck, block, lines(i)%text(1))
-            if (k > i) call diagnostics%add(lines(k)%origin_of(1), "the list '"//lines(i)%text(1)//"' is given twice", &
-               & 'remove one of the two', lines(i)%origin_of(1), 'the first one is here')
-            select case (lines(i)%text(1))
-            case ('modes'); call check_modes(i, .true., 'bending modes')
-            case ('bending modes'); call check_modes(i, .false., 'modes')
-            end select
-            call check_model(i)
-            if (any(lines(i)%text(1) == [character(18) :: lists_of_modes, lists_of_exact, 'fidelities']) &
-               & .and. size(plan%beams) == 0) call diagnostics%add(lines(i)%origin_of(1), 'the deck has no *BEAM to vary')
-         end do
-      end associate
-
-   contains
-
-      !> A list that means nothing of the model of a beam.
-      subroutine check_model(line)
-         integer, intent(in) :: line
-         logical :: exact
-         integer :: j
-         exact = any(plan%deck%blocks(block)%lines(line)%text(1) == lists_of_exact)
-         if (.not. (exact .or. any(plan%deck%blocks(block)%lines(line)%text(1) == lists_of_modes))) return
-         do j = 1, size(plan%beams)
-            if ((plan%deck%blocks(plan%beams(j))%word('GEOMETRIC') == 'EXACT') .eqv. exact) cycle
-            call diagnostics%add(plan%deck%blocks(block)%lines(line)%origin_of(1), "beam '"// &
-               & plan%deck%blocks(plan%beams(j))%name()//"' is "//plan%deck%blocks(plan%beams(j))%word('GEOMETRIC')// &
-               & " and has no '"//plan%deck%blocks(block)%lines(line)%text(1)//"'", &
-               & 'choose the beam by BEAM=, or its model by GEOMETRIC=')
-            return
-         end do
-      end subroutine check_model
-
-      !> A number of modes that the beam does not look at.
-      subroutine check_modes(line, by_kind, other)
-         integer, intent(in) :: line
-         logical, intent(in) :: by_kind
-         character(*), intent(in) :: other
-         integer :: j
-         do j = 1, size(plan%beams)
-            if (counts_by_kind(plan%deck, plan%beams(j)) .neqv. by_kind) cycle
-            call diagnostics%add(plan%deck%blocks(block)%lines(line)%origin_of(1), "beam '"// &
-               & plan%deck%blocks(plan%beams(j))%name()//"' has its modes counted "// &
-               & trim(merge('by kind ', 'together', by_kind)), "give the list '"//other//"'")
-         end do
-      end subroutine check_modes
-
-   end subroutine check_lists
-
    !> The channels that are compared.
-   subroutine choose_channels(plan, block, scene, diagnostics)
+   subroutine choose_channels(plan, block, scene)
       type(plan_type), intent(inout) :: plan
       integer, intent(in) :: block
       type(scene_type), intent(in) :: scene
-      type(diagnostics_type), intent(inout) :: diagnostics
       integer :: line, i, k
       associate (channels => scene%system%model%channels)
          line = place_of(plan%deck, block, 'channels')
@@ -389,8 +294,6 @@ contains
                do k = size(channels), 1, -1
                   if (lowercase(channels(k)%name) == plan%deck%blocks(block)%lines(line)%text(i)) exit
                end do
-               if (k == 0) call diagnostics%add(plan%deck%blocks(block)%lines(line)%origin_of(i), &
-                  & "there is no channel '"//plan%deck%blocks(block)%lines(line)%text(i)//"'", 'name it in *OUTPUT')
                if (k > 0) plan%channels = [plan%channels, k]
             end do
          end if

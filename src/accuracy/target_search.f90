@@ -17,7 +17,8 @@ module limber_accuracy_target_search
       & measure_further, add_strain, keep, give_up, is_complete
    use limber_accuracy_search_steps, only: target_search_type, first_run, next_run, time_step, model_step, strain_step, &
       & joint_step, tighten_step, loosen_step, refine_step, add_strain_step, look_again, weigh
-   use limber_accuracy_search_thresholds, only: least_patience, least_verified, most_looks, most_rounds, patience_next
+   use limber_accuracy_search_thresholds, only: least_patience, least_verified, most_looks, most_rounds, much_ringing, &
+      & patience_next
    use limber_deck_content, only: deck_type
    implicit none
    private
@@ -63,6 +64,7 @@ contains
       if (reached%done .or. s%reference%known) call record_errors(s%reference, s%candidate, reached)
       if (.not. (reached%done .or. allocated(reached%interruption))) then
          reached%is_struck = is_struck(s%candidate)
+         reached%is_ringing = s%candidate%ringing > much_ringing
          call say_why(target, reached)
       end if
       reached%statistics = s%candidate%statistics

@@ -126,7 +126,6 @@ contains
          if (contact == 0) contact = self%held
          self%until = huge(t)
       end if
-      write (0,*) 'FO', integrator%t_before, t, self%release, contact
       if (contact == 0) return
       again = integrator%ends_on_samples .and. self%release < t - near .and. self%release > integrator%t_before + near
       if (again) then
@@ -239,8 +238,6 @@ contains
             call refuse(system, t, list(minloc(rate(list), dim=1)), error)
             return
          end if
-         write (0,*) 'ST', t, impact%before, impact%behind, impact%impulse, impact%force, impact%acceleration, impact%rests, &
-         & gap(list), self%opens
          do i = 1, size(list)
             on(system%model%contacts(list(i))%switch) = impact%rests(i)
             call note_contact(self, events, system, t, list(i), closed(list(i)), touched(list(i)), low*scale(list(i)), &

@@ -11,6 +11,7 @@ module limber_analysis_kinematic_analysis
    use limber_analysis_curve_path, only: curve_path_type, new_paths, follow_paths, break_text
    use limber_scene_joint_check, only: check_joints
    use limber_scene_law_checks, only: check_law_energies
+   use limber_scene_kinematic_determinacy, only: undriven_text
    use limber_scene_outcome, only: outcome_type
    use limber_scene_sampling, only: check_residuals
    use limber_scene_scene, only: scene_type, seconds_since
@@ -25,7 +26,7 @@ module limber_analysis_kinematic_analysis
    use limber_output_followed_turns, only: follow_places
    use limber_multibody_constraint_matrix, only: constraint_matrix_type, new_constraint_matrix, fill
    use limber_multibody_equations_of_motion, only: mechanical_energy
-   use limber_multibody_free_motions, only: free_motions_type, find_freedom, motion_text
+   use limber_multibody_free_motions, only: free_motions_type, find_freedom
    use limber_multibody_driven_motion, only: driven_motion_type, new_held, held_position, held_motion, balance_deflections
    use limber_multibody_kinematics, only: place_frames, settle_angles
    use limber_multibody_layout, only: advance
@@ -117,16 +118,13 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(free_motions_type) :: freedom
       integer :: missing
-      character(:), allocatable :: drivers
       associate (system => scene%system, work => scene%work)
          call place_constraints(system, work, step%dynamics%start, scene%q)
          call find_freedom(system, work, .true., freedom)
          missing = size(freedom%basis, 2)
          if (missing > 0) then
-            drivers = as_text(missing)//' drivers are missing: '
-            if (missing == 1) drivers = 'one driver is missing: '
-            call raise(error, drivers//motion_text(system, freedom%basis(:, 1))//' although no driver moves it;'// &
-               & ' drive as many motions as there are degrees of freedom, or use *DYNAMICS')
+            call raise(error, undriven_text(scene, freedom)//'; drive as many motions as there are'// &
+               & ' degrees of freedom, or use *DYNAMICS')
          else if (freedom%rank < system%nc .and. .not. system%redundant) then
             missing = system%nc - freedom%rank
             call find_freedom(system, work, .false., freedom)

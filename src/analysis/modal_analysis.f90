@@ -9,6 +9,7 @@ module limber_analysis_modal_analysis
    use limber_scene_damping_check, only: changed_damping
    use limber_monitor_function_checks, only: function_mode_warnings
    use limber_analysis_kinks, only: kink_warnings
+   use limber_analysis_damped_aside, only: compare_damped
    use limber_analysis_mode_aside, only: compare_aside, compare_functions
    use limber_analysis_skew_forces, only: skew_warning
    use limber_monitor_mode_checks, only: mode_warnings
@@ -59,7 +60,7 @@ contains
       integer(long) :: tick
       real(wp) :: cpu
       logical :: balanced
-      character(:), allocatable :: aside
+      character(:), allocatable :: aside, damped
       call system_clock(tick)
       call cpu_time(cpu)
       outcome%cpu = -cpu
@@ -75,6 +76,10 @@ contains
       call lowest_vibrations(scene, balance, terms(step, balance), step%modes, beside, more, error)
       if (.not. allocated(error)) call leave_out_damping(scene, step, balance, more, undamped, listed)
       if (.not. allocated(error)) call compare_aside(scene, step, balance, undamped, listed, aside)
+      if (.not. allocated(error) .and. step%damped) then
+         call compare_damped(scene, step, balance, more, min(step%modes, size(more%frequency)), damped)
+         aside = aside//damped
+      end if
       if (.not. allocated(error)) aside = aside//skew_warning(scene, step, balance, undamped, beside)
       call let_signals_end(.false.)
       call history%check_limit(step%dynamics%start, interruption)

@@ -21,6 +21,7 @@ module limber_analysis_mode_aside
    implicit none
    private
    public :: compare_aside, compare_functions
+   public :: rich_type, look_aside, look_at_most, mapped_shapes, parts_of, speed_of, size_words
 
    !> Largest relative error of a frequency that is not told, and above which it is only told as more than that
    real(wp), parameter :: little = 0.02_wp, beyond = 0.5_wp
@@ -64,14 +65,7 @@ contains
       if (listed == 0 .or. all(level == nothing_more)) return
       damping = undamped_terms(balance)
       extra = additional_modes(scene%system, level, listed + beside)
-      ! A coarse mesh has room for fewer
-      do
-         allocate (rich)
-         call look_aside(scene, step, damping, level, extra, rich)
-         if (rich%done .or. extra <= least) exit
-         deallocate (rich)
-         extra = max(least, extra/2)
-      end do
+      call look_at_most(scene, step, damping, level, extra, rich)
       if (.not. rich%done) then
          if (any(scene%system%model%bodies%is_frame)) text = "warning: modes of *MODES '"//step%name//"' are not compared with"// &
             & ' those of more coordinates, for which the frame has too few finite elements; use more DIVISIONS'//newline
@@ -150,6 +144,24 @@ contains
       end associate
       rich%done = .not. allocated(error)
    end subroutine look_aside
+
+   !> The same with as many additional modes as the meshes have room for.
+   subroutine look_at_most(scene, step, damping, level, extra, rich)
+      type(scene_type), intent(in) :: scene
+      type(analysis_step_type), intent(in) :: step
+      !> As of `look_aside`
+      integer, intent(in) :: damping, level(:)
+      !> Number of additional modes: wanted, found
+      integer, intent(inout) :: extra
+      type(rich_type), allocatable, intent(out) :: rich
+      do
+         allocate (rich)
+         call look_aside(scene, step, damping, level, extra, rich)
+         if (rich%done .or. extra <= least) exit
+         deallocate (rich)
+         extra = max(least, extra/2)
+      end do
+   end subroutine look_at_most
 
    !> Largest relative error of frequencies in order.
    pure real(wp) function largest_error(vibrations, others, listed) result(largest)
@@ -276,22 +288,21 @@ contains
          if (step%damped) text = text//', at '//as_text(speed_of(own, verdict%mode), 4)//' rad/'//model%units%time// &
             & ' without damping,'
          if (verdict%others > 0) text = text//' (and '//as_text(verdict%others)//' more)'
-         text = text//' errs in its frequency by '//size_of()//': '
+         text = text//' errs in its frequency by '//size_words(verdict%error)//': '
          if (verdict%lacking > 0) text = text//'the list lacks a mode at about '// &
             & as_text(speed_of(rich%vibrations, verdict%lacking), 3)//' rad/'//model%units%time//'; '
          text = text//trim(merge('frame', 'beam ', model%bodies(body)%is_frame))//" '"//name_in_deck(model, body)// &
             & "' cannot take this shape with its "//as_text(model%bodies(body)%reduced%n)//' coordinates'
       end associate
-
-   contains
-
-      function size_of() result(part)
-         character(:), allocatable :: part
-         part = 'about '
-         if (verdict%error > beyond) part = 'more than about '
-         part = part//as_text(100*min(verdict%error, beyond), 2)//' %'
-      end function size_of
-
    end function words
+
+   !> A relative error; a large one is only a bound.
+   function size_words(error) result(text)
+      real(wp), intent(in) :: error
+      character(:), allocatable :: text
+      text = 'about '
+      if (error > beyond) text = 'more than '
+      text = text//as_text(100*min(error, beyond), 2)//' %'
+   end function size_words
 
 end module limber_analysis_mode_aside

@@ -112,7 +112,7 @@ contains
       call project_coordinates(richer, system, motion, fewer, rates=.true.)
       call project_coordinates(system, richer, fewer, kept, rates=.true.)
       do i = 1, size(energy)
-         if (.not. can_enrich(system%model%bodies(i))) cycle
+         if (.not. (can_enrich(system%model%bodies(i)) .or. system%model%bodies(i)%reduced%is_exact)) cycle
          first = richer%layout%w(i) + 3
          last = first + richer%layout%n(i) - 1
          energy(i) = energy(i) + sum(richer%model%bodies(i)%reduced%omega2*(motion(first:last) - kept(first:last))**2)

@@ -361,6 +361,7 @@ contains
          allocate (q, source=statics%q)
          allocate (lambda, source=statics%lambda)
          parts = [just_before*statics%part, statics%part]
+         statics%taken = 0.0_wp
          if (found) then
             call find_critical(scene, step, next, statics)
             call history%check_limit(time_of(step, statics%part), error)
@@ -382,7 +383,7 @@ contains
          call tell(statics, 'equilibrium '//trim(merge('turns unstable', 'ends          ', statics%stable))//' at '// &
             & place_text(step, place)//' ('//kind//'): '//motion_text(scene%system, motion))
          statics%neutral_text = ''
-         if (found) call check_load(scene, step, statics, motion, outcome)
+         call check_load(scene, step, statics, motion, outcome)
          if (takes_time .and. statics%part > statics%sampled + alike*statics%part) &
             & call sample(scene, step, statics, history, outcome, error)
          if (allocated(error)) return
@@ -484,7 +485,7 @@ contains
       call load_scene(scene, step, statics%part, statics)
       if (.not. allocated(outcome%warnings)) outcome%warnings = ''
       outcome%warnings = outcome%warnings//function_load_warning(scene%system, scene%work, statics%balance, t, statics%q, &
-         & statics%lambda, motion)
+         & statics%lambda, motion, statics%taken)
    end subroutine check_load
 
    !> Warns where exact beams are too stiff under the last loads, and of what bodies with modes lack in the channels.

@@ -48,8 +48,9 @@ module limber_analysis_static_branch
       !> Parts of the step that no increment passes, in ascending order; the part of the last sample
       real(wp), allocatable :: stations(:)
       real(wp) :: sampled = -1.0_wp
-      !> Part of the step of the last critical load, between the states on both sides; below zero where it is that of the state
-      real(wp) :: critical = -1.0_wp
+      !> Part of the step of the last critical load, between the states on both sides; below zero where it is that of the state. How
+      !> much stiffness the loads take there, all of them as they do just before it; zero: not known
+      real(wp) :: critical = -1.0_wp, taken = 0.0_wp
       !> Weight of the deck (2), and rotation at the start of the step
       real(wp) :: gravity(2) = 0.0_wp, first_rotation = 0.0_wp
       !> What the user is told
@@ -416,13 +417,16 @@ contains
       real(wp), parameter :: aside = 1.0e-6_wp, near_part = 1.0e-8_wp, near_root = 1.0e-5_wp
       !> Parts of the step, and lowest stiffness there
       real(wp) :: ends(2), lowest(2), first
-      !> Part of the first stiffness with which round-off moves nothing; the last state with it
-      real(wp), parameter :: clear = 1.0e-5_wp
+      !> Part of the first stiffness with which round-off moves nothing, and the last state with it; the same of the slope of the
+      !> stiffness, and the last part of the step with it and its stiffness
+      real(wp), parameter :: clear = 1.0e-5_wp, steep = 0.3_wp
+      real(wp) :: before(2)
       real(wp), allocatable :: clear_q(:), clear_lambda(:)
       integer :: round, side
       left = statics%part
       right = next
       statics%critical = -1.0_wp
+      statics%taken = 0.0_wp
       share = 1.0_wp
       of_right = statics%balance%lowest
       call keep_unstable()
@@ -434,6 +438,7 @@ contains
       ends = [left, right]
       lowest = [of_left, of_right]
       first = of_left
+      before = [left, of_left]
       allocate (clear_q, source=statics%q)
       allocate (clear_lambda, source=statics%lambda)
       side = 0
@@ -468,6 +473,7 @@ contains
             of_left = statics%balance%lowest
             ends(1) = left
             lowest(1) = of_left
+            if (of_left > steep*first) before = [left, of_left]
             if (of_left > clear*first) then
                clear_q = statics%trial
                clear_lambda = statics%trial_lambda
@@ -487,6 +493,7 @@ contains
       end do
       if (by_stiffness .and. right - left <= near_root*right) statics%critical = ends(1) + (ends(2) - ends(1)) &
          & *lowest(1)/(lowest(1) - lowest(2))
+      if (statics%critical > before(1)) statics%taken = before(2)*statics%critical/(statics%critical - before(1))
       if (statics%critical >= 0.0_wp) call approach(statics%critical)
       call load_scene(scene, step, statics%part, statics)
       statics%balance%softest = softest

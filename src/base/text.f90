@@ -4,7 +4,7 @@ module limber_base_text
    use limber_base_kinds, only: wp, long
    implicit none
    private
-   public :: lowercase, uppercase, as_text, nearest_name, first_line, one_line, newline
+   public :: lowercase, uppercase, as_text, nearest_name, suggestion, first_line, one_line, newline
 
    !> Line separator of every text that limber writes
    character(1), parameter :: newline = new_line('a')
@@ -174,6 +174,17 @@ contains
          if (best <= 1) exit
       end do
    end function nearest_name
+
+   !> Remedy for an unknown name: the nearest candidate, or another remedy if none is near.
+   pure function suggestion(name, candidates, otherwise) result(text)
+      !> What is written; names that exist, empty ones aside; the other remedy
+      character(*), intent(in) :: name, candidates(:), otherwise
+      character(:), allocatable :: text
+      integer :: near
+      near = nearest_name(name, candidates)
+      text = otherwise
+      if (near > 0) text = "did you mean '"//trim(candidates(near))//"'?"
+   end function suggestion
 
    !> How far two names are from each other, in letters.
    pure integer function name_distance(a, b) result(distance)

@@ -13,6 +13,8 @@ module limber_beam_exact_functions
    private
    public :: exact_choice_type, candidate_moments, count_of_places, axial_forces, layer_places, legendre, sorted
 
+   !> Finite elements for each function, at least
+   integer, parameter, public :: elements_of_a_function = 8
    !> Polynomials up to this degree are taken by turns with the modes
    integer, parameter :: early_degree = 3
    !> Conditions at both ends: no bending moment, no shear force
@@ -311,14 +313,13 @@ contains
       type(displacement_field_type) :: field
       type(spline_type) :: spline
       real(wp), allocatable :: left(:, :), right(:, :)
-      !> Elements for each function, so that its mode is resolved
-      integer, parameter :: of_a_function = 8
+      !> With enough elements for each function, so that its mode is resolved
       type(beam_type) :: mesh
       real(wp) :: value(0:2), tiny_part, curved(2)
       integer :: count, i, j
       mesh = beam
       ! Masses within the beam have nodes of their own
-      if (.not. allocated(mesh%place)) mesh%elements = max(beam%elements, of_a_function*choice%angles)
+      if (.not. allocated(mesh%place)) mesh%elements = max(beam%elements, elements_of_a_function*choice%angles)
       field = mesh_beam(mesh)
       ! Modes that the mesh does not resolve are no better than polynomials
       count = min(choice%angles, count_bending_modes(mesh, choice%support), mesh%elements/3)

@@ -279,9 +279,19 @@ contains
          text = 'the deck; it bends to '//as_text(beam%deflection, 2)//' of its length'
       else
          text = 'slope '//as_text(beam%slope, 2)//', deflection '//as_text(beam%deflection, 2)//' of the length; its stretch '// &
-            & 'makes '//as_text(beam%stretch, 2)//' of a channel; axial force '//as_text(beam%force, 2)//' of the Euler load'
+            & 'makes '//as_text(beam%stretch, 2)//' of a channel'//ringing_words(beam)//'; axial force '// &
+            & as_text(beam%force, 2)//' of the Euler load'
       end if
    end function known_of
+
+   !> What vibrations along a beam make of forces and accelerations that channels ask for; empty if that is next to nothing.
+   function ringing_words(beam) result(text)
+      type(forecast_type), intent(in) :: beam
+      character(:), allocatable :: text
+      real(wp), parameter :: least = 1.0e-3_wp
+      text = ''
+      if (beam%ringing >= least) text = ', its vibrations along itself '//as_text(beam%ringing, 2)
+   end function ringing_words
 
    !> A text filled up to a length, with at least two blanks behind it.
    pure function left(cell, length) result(text)

@@ -9,7 +9,8 @@ module limber_commands_command_line
    use limber_commands_drawing, only: drawing_request_type
    use limber_scene_interruption, only: request_type
    use limber_commands_sweep, only: sweep_request_type
-   use limber_commands_sweep_plan, only: swept_type, read_setting, is_number
+   use limber_commands_sweep_plan, only: swept_type, read_setting
+   use limber_deck_sweep_table, only: is_number
    use limber_deck_parameters, only: override_type
    implicit none
    private

@@ -8,24 +8,19 @@ module limber_commands_sweep_plan
    use limber_base_version, only: version, commit
    use limber_scene_first_scene, only: read_scene
    use limber_scene_scene, only: scene_type
-   use limber_deck_compile, only: compile
    use limber_deck_content, only: deck_type, block_type
-   use limber_deck_expression, only: expression_type
-   use limber_deck_parameters, only: parameter_list_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_effective, only: effective_deck
-   use limber_deck_lexer, only: part_type, split_fields, trimmed
+   use limber_deck_lexer, only: part_type
    use limber_deck_origin, only: origin_type
    use limber_deck_parameters, only: override_type, name_length
    use limber_deck_reader, only: read_deck
-   use limber_deck_source, only: beside
+   use limber_deck_sweep_checks, only: most_rows
+   use limber_deck_sweep_table, only: read_table, read_value
    use limber_model_run_scalars, only: add_usual_scalars
    implicit none
    private
-   public :: sweep_type, swept_type, plan_sweep, read_setting, is_number, row_overrides
-
-   !> Most runs of a sweep
-   integer, parameter :: most_rows = 10000000
+   public :: sweep_type, swept_type, plan_sweep, read_setting, row_overrides
 
    !> Parameters that change together
    type :: swept_type
@@ -82,6 +77,14 @@ contains
       end if
       call add_usual_scalars(scene%system%model)
       associate (scalars => scene%system%model%scalars)
+         do i = 1, size(scalars)
+            if (any(sweep%names == scalars(i)%name)) call diagnostics%add(origin_type(file=1), "the swept parameter '"// &
+               & scalars(i)%name//"' has the name of a scalar", 'give one of the two another name')
+         end do
+         if (diagnostics%count > 0) then
+            call raise(error, diagnostics%render(scene%deck%source), status_deck)
+            return
+         end if
          allocate (sweep%scalars(size(scalars)), sweep%meanings(size(scalars)), sweep%units(size(scalars)))
          do i = 1, size(scalars)
             sweep%scalars(i) = scalars(i)%name
@@ -105,6 +108,8 @@ contains
       type(diagnostics_type), intent(inout) :: diagnostics
       type(swept_type), allocatable :: found(:)
       type(swept_type) :: table
+      type(part_type), allocatable :: columns(:)
+      real(wp), allocatable :: values(:, :)
       integer :: block, i, count
       block = deck%find('SWEEP')
       count = 0
@@ -121,9 +126,13 @@ contains
             found(count) = table
          end do
          if (deck%blocks(block)%text('FILE') /= '') then
-            call read_table(deck, block, table, diagnostics)
+            call read_table(deck, block, columns, values, diagnostics)
             count = count + 1
-            found(count) = table
+            allocate (found(count)%names(size(columns)))
+            do i = 1, size(columns)
+               found(count)%names(i) = columns(i)%text
+            end do
+            call move_alloc(values, found(count)%values)
          end if
       end if
       do i = 1, size(settings)
@@ -163,9 +172,6 @@ contains
          call read_setting(fields(1)%text//'='//text(2:), axis, ok)
          if (.not. ok) call diagnostics%add(fields(2)%origin, 'a range stands alone in its line, with at least two values', &
             & 'write numbers, or first:last:count')
-         if (ok .and. (axis%is_range .neqv. block%word('METHOD') == 'LATIN HYPERCUBE')) call diagnostics%add(fields(2)%origin, &
-            & 'METHOD='//block%word('METHOD')//' cannot use this', &
-            & 'first:last for LATIN HYPERCUBE; else numbers, or first:last:count')
       end associate
    end subroutine read_axis
 
@@ -217,96 +223,6 @@ contains
          if (ok) ok = all(abs(axis%values) <= huge(1.0_wp))
       end associate
    end subroutine read_setting
-
-   !> A number, or an expression of numbers, such as pi/2.
-   subroutine read_value(text, value, ok)
-      character(*), intent(in) :: text
-      real(wp), intent(out) :: value
-      logical, intent(out) :: ok
-      type(parameter_list_type) :: none
-      type(expression_type) :: expression
-      type(diagnostics_type) :: unheard
-      integer :: status
-      value = 0.0_wp
-      if (is_number(trim(adjustl(text)))) then
-         read (text, *, iostat=status) value
-         ok = status == 0
-         return
-      end if
-      call compile(text, origin_type(1, 1, 1, len(text)), none, expression, ok, unheard)
-      if (ok) ok = expression%is_constant()
-      if (ok) value = expression%constant_value()
-   end subroutine read_value
-
-   !> Whether a text has the form of a number; one with a sign within, as 1+1, is a sum: for Fortran it would be 1e+1.
-   pure logical function is_number(text)
-      character(*), intent(in) :: text
-      integer :: i
-      is_number = verify(text, '0123456789+-.eEdD') == 0
-      do i = 2, len(text)
-         if (scan(text(i:i), '+-') > 0) is_number = is_number .and. scan(text(i - 1:i - 1), 'eEdD') > 0
-      end do
-   end function is_number
-
-   !> The columns of the file that *SWEEP names.
-   subroutine read_table(deck, block, axis, diagnostics)
-      type(deck_type), intent(inout) :: deck
-      integer, intent(in) :: block
-      type(swept_type), intent(out) :: axis
-      type(diagnostics_type), intent(inout) :: diagnostics
-      type(error_type), allocatable :: error
-      type(part_type), allocatable :: parts(:)
-      type(part_type) :: line
-      real(wp), allocatable :: rows(:, :)
-      logical :: ok
-      integer :: file, i, k, count
-      allocate (axis%names(0), axis%values(0, 0), rows(0, 0))
-      call deck%source%read_file(beside(deck%source%files(deck%blocks(block)%origin%file)%path, deck%blocks(block)%text('FILE')), &
-         & deck%blocks(block)%origin_of('FILE'), error)
-      if (allocated(error)) then
-         call diagnostics%add(deck%blocks(block)%origin_of('FILE'), error%message, &
-            & 'the path is relative to the folder of this file')
-         return
-      end if
-      file = deck%source%count
-      count = 0
-      do i = 1, size(deck%source%files(file)%lines)
-         line = trimmed(deck%source%files(file)%lines(i)%text, origin_type(file, i, 1, 1), 1, &
-            & len(deck%source%files(file)%lines(i)%text))
-         if (len(line%text) == 0) cycle
-         if (line%text(1:1) == '#') cycle
-         call split_fields(line%text, line%origin, parts)
-         if (size(axis%names) == 0) then
-            deallocate (axis%names)
-            allocate (axis%names(size(parts)))
-            do k = 1, size(parts)
-               axis%names(k) = lowercase(parts(k)%text)
-            end do
-            deallocate (rows)
-            allocate (rows(size(parts), size(deck%source%files(file)%lines)))
-         else if (size(parts) /= size(axis%names)) then
-            call diagnostics%add(line%origin, 'this row has '//as_text(size(parts))//' values for '//as_text(size(axis%names))// &
-               & ' columns')
-            return
-         else
-            count = count + 1
-            do k = 1, size(parts)
-               call read_value(parts(k)%text, rows(k, count), ok)
-               if (.not. ok .or. len(parts(k)%text) == 0 .or. .not. abs(rows(k, count)) <= huge(1.0_wp)) then
-                  call diagnostics%add(parts(k)%origin, "'"//parts(k)%text//"' is not a number")
-                  return
-               end if
-            end do
-         end if
-      end do
-      if (count == 0) then
-         call diagnostics%add(deck%blocks(block)%origin_of('FILE'), 'the file has no rows', &
-            & 'names of parameters, then their values')
-         return
-      end if
-      deallocate (axis%values)
-      allocate (axis%values(size(axis%names), count), source=rows(:, :count))
-   end subroutine read_table
 
    !> All rows of values.
    subroutine make_rows(deck, axes, sweep, diagnostics)

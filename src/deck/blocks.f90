@@ -3,7 +3,7 @@
 module limber_deck_blocks
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
-   use limber_base_text, only: as_text, lowercase
+   use limber_base_text, only: as_text, lowercase, nearest_name
    use limber_deck_cursor, only: letters, digits
    use limber_deck_compile, only: is_reserved
    use limber_deck_quantity_names, only: quantity_names
@@ -21,7 +21,7 @@ module limber_deck_blocks
    use limber_deck_data_lines, only: read_line, expected_line
    implicit none
    private
-   public :: open_block_type, begin_block, add_line, end_block, tell_name
+   public :: open_block_type, begin_block, add_line, end_block, tell_unknown
 
    !> Limits of a deck; beyond them the reading stops with an error
    integer, parameter :: max_blocks = 200000, max_lines = 1000000
@@ -45,6 +45,8 @@ module limber_deck_blocks
       integer :: turn = 0
       !> A limit was exceeded: reading is to stop
       logical :: full = .false.
+      !> A block of an unknown keyword with a name stands right above
+      logical :: after_unknown = .false.
    end type open_block_type
 
 contains
@@ -64,7 +66,7 @@ contains
       self%errors = diagnostics%count
       if (self%skipping) then
          call complain_keyword(parts(1), diagnostics)
-         call tell_name(parts, diagnostics)
+         call tell_unknown(self, parts, deck, diagnostics)
       else if (self%blocks >= max_blocks) then
          call diagnostics%add(parts(1)%origin, 'the deck has more than '//as_text(max_blocks)//' blocks', &
             & 'each turn of a *REPEAT counts')
@@ -76,27 +78,60 @@ contains
          if (allocated(self%block%lines)) deallocate (self%block%lines)
          allocate (self%block%lines(4))
          call read_options(self%block, keyword_options(self%block%keyword), parts(2:), deck, diagnostics)
+         call look_for_name(self%block, keyword_options(self%block%keyword), diagnostics)
          if (self%block%keyword == 'TABLE' .or. self%block%keyword == 'CURVE') call read_points(self, deck, diagnostics)
       end if
    end subroutine begin_block
 
-   !> Takes note of what a block of an unknown keyword defines: its NAME; without one, perhaps points of the ground.
-   subroutine tell_name(parts, diagnostics)
+   !> Takes note of what a block of an unknown keyword defines: its NAME, or parts of a body. Without both, perhaps points of the
+   !> ground.
+   subroutine tell_unknown(self, parts, deck, diagnostics)
+      type(open_block_type), intent(inout) :: self
       !> Parts of the keyword line, or the whole line as one
       type(part_type), intent(in) :: parts(:)
+      type(deck_type), intent(in) :: deck
       type(diagnostics_type), intent(inout) :: diagnostics
-      character(:), allocatable :: rest
+      character(:), allocatable :: name
+      integer :: i
+      name = value_of(parts, 'NAME')
+      self%after_unknown = self%after_unknown .or. name /= ''
+      if (name == '') name = value_of(parts, 'BODY')
+      call diagnostics%tell(name)
+      if (name /= '') return
+      call diagnostics%tell('ground')
+      do i = self%blocks, 1, -1
+         if (deck%blocks(i)%keyword /= 'FRAME' .and. deck%blocks(i)%keyword /= 'BEAM') cycle
+         if (deck%blocks(i)%keyword == 'FRAME' .or. may_be_part(parts(1)%text)) call diagnostics%tell(deck%blocks(i)%name())
+         return
+      end do
+   end subroutine tell_unknown
+
+   !> Value of an option of an unknown keyword, in lower case; empty if it is not there.
+   pure function value_of(parts, option) result(value)
+      type(part_type), intent(in) :: parts(:)
+      character(*), intent(in) :: option
+      character(:), allocatable :: value
       integer :: i, equals
+      value = ''
       do i = 1, size(parts)
          equals = find_outside(parts(i)%text, '=', 1)
          if (equals == 0) cycle
-         if (index(' '//collapsed(parts(i)%text(:equals - 1)), ' NAME', back=.true.) == 0) cycle
-         rest = lowercase(trim(adjustl(parts(i)%text(equals + 1:))))
-         call diagnostics%tell(trim(rest(:index(rest//',', ',') - 1)))
+         if (index(' '//collapsed(parts(i)%text(:equals - 1)), ' '//option, back=.true.) == 0) cycle
+         value = lowercase(trim(adjustl(parts(i)%text(equals + 1:))))
+         value = trim(value(:index(value//',', ',') - 1))
          return
       end do
-      call diagnostics%tell('ground')
-   end subroutine tell_name
+   end function value_of
+
+   !> Whether an unknown keyword is like one of the parts of beams.
+   pure logical function may_be_part(keyword)
+      !> With its asterisk
+      character(*), intent(in) :: keyword
+      integer :: near
+      may_be_part = .false.
+      near = nearest_name(collapsed(keyword(2:)), keyword_table%name)
+      if (near > 0) may_be_part = any(keyword_table(near)%name == [character(10) :: 'MASS', 'PROFILE', 'ATTACHMENT'])
+   end function may_be_part
 
    !> Reads the data lines that a block takes from a file of its own; the effective deck has them in place of the file's name.
    subroutine read_points(self, deck, diagnostics)
@@ -135,9 +170,15 @@ contains
       type(part_type), intent(in) :: part
       type(diagnostics_type), intent(inout) :: diagnostics
       character(:), allocatable :: word, label
-      integer :: i
+      integer :: i, near
       word = collapsed(part%text(2:))
+      if (is_end_of_unknown(word, diagnostics)) return
+      near = 0
+      if (index(word, '=') == 0) near = nearest_name(word, pack(keyword_table%name, &
+         & index(keyword_table%name, ' ') < len_trim(keyword_table%name)))
       do i = 1, size(keyword_table)
+         ! A keyword of two words, such as BEAM SECTION, may be meant
+         if (near > 0) exit
          if (index(word, trim(keyword_table(i)%name)//' ') /= 1) cycle
          call diagnostics%add(part%origin, "a comma is missing behind '*"//trim(keyword_table(i)%name)//"'", &
             & 'write *'//trim(keyword_table(i)%name)//', OPTION=value, ...')
@@ -151,6 +192,17 @@ contains
          call diagnostics%add(part%origin, "there is no keyword '*"//word//"'", label)
       end if
    end subroutine complain_keyword
+
+   !> Whether a keyword ends what an unknown one has begun, as *END STEP does: that error has been told.
+   logical function is_end_of_unknown(word, diagnostics) result(is_end)
+      !> In upper case, without the asterisk
+      character(*), intent(in) :: word
+      type(diagnostics_type), intent(inout) :: diagnostics
+      is_end = index(word, 'END ') == 1
+      if (is_end) is_end = diagnostics%is_told('*'//word(5:))
+      if (is_end) call diagnostics%follow()
+      if (.not. is_end) call diagnostics%tell('*'//word)
+   end function is_end_of_unknown
 
    !> Reads all options of a block, fills in defaults and reports missing ones.
    subroutine read_options(block, specs, parts, deck, diagnostics)
@@ -194,6 +246,19 @@ contains
       if (len(missing) > 0) call diagnostics%add(block%origin, '*'//block%keyword//' needs '//missing, &
          & 'add '//missing(:scan(missing//',', ',') - 1)//'=value')
    end subroutine read_options
+
+   !> Takes note of a block whose name is missing or refused: it may be any that is unknown.
+   subroutine look_for_name(block, specs, diagnostics)
+      type(block_type), intent(in) :: block
+      type(option_spec_type), intent(in) :: specs(:)
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: i
+      do i = 1, size(specs)
+         if (specs(i)%name /= 'NAME' .or. block%options(i)%has_value) cycle
+         if (specs(i)%default == needed .or. block%options(i)%given) diagnostics%nameless = &
+            & diagnostics%nameless + 1
+      end do
+   end subroutine look_for_name
 
    !> Whether a part is the first of a data line that a comma above has joined to the keyword line.
    pure logical function is_data_line(part, block, specs)
@@ -240,6 +305,8 @@ contains
       if (equals > 0) then
          next = trimmed(value%text, value%origin, equals, len(value%text))
          call diagnostics%add(next%origin, "a comma is missing before '"//next%text//"'", 'options are separated by commas')
+         ! A semicolon may stand in its place
+         if (value%text(equals - 2:equals - 2) == ';') equals = equals - 2
          value = trimmed(value%text, value%origin, 1, equals - 1)
          attempted = .true.
       end if
@@ -415,6 +482,8 @@ contains
          block%keyword = self%block%keyword
          block%origin = self%block%origin
          block%broken = diagnostics%count > self%errors
+         block%after_unknown = self%after_unknown
+         self%after_unknown = .false.
          if (block%broken) call tell_block(self%block, diagnostics)
          call move_alloc(self%block%options, block%options)
          call move_alloc(self%block%lines, block%lines)

@@ -76,7 +76,8 @@ module limber_deck_body_options
       &    'N', '', 'largest tension: functions for the bending near ends and loads; default: what the deck tells of it', &
       &    models='EXACT'), &
       & option_spec_type('BEAM', 'MODES', kind_count, '', &
-      &    '', '6', 'number of modes: the lowest of bending and axial ones together', most=1000, models='MODES'), &
+      &    '', '6', 'number of modes: the lowest of bending and axial ones together', most=1000, models='MODES', &
+      &    only='-BENDING MODES'), &
       & option_spec_type('BEAM', 'BENDING MODES', kind_count, '', &
       &    '', '', 'number of bending modes; given, it replaces MODES', most=1000, models='MODES'), &
       & option_spec_type('BEAM', 'AXIAL MODES', kind_count, '', &
@@ -111,7 +112,8 @@ module limber_deck_body_options
       & option_spec_type('FRAME', 'GEOMETRIC', kind_word, 'RIGID|LINEAR|K_G', &
       &    '', 'K_G', 'fidelity: no deflection, K_E alone, or K_E and K_G; where members bend far, LARGE=YES', models='MODES'), &
       & option_spec_type('FRAME', 'MODES', kind_count, '', &
-      &    '', '', 'number of vibration modes; default 3 for each member, 6 at least, 24 at most', most=1000, models='MODES'), &
+      &    '', '', 'number of vibration modes; default 3 for each member, 6 at least, 24 at most', most=1000, models='MODES', &
+      &    only='-FREQUENCY LIMIT'), &
       & option_spec_type('FRAME', 'DIVISIONS', kind_counting, &
       &    '', '', '', 'finite elements in each member; default 32, from 9 members on 256 in all, 8 at least', &
       &    most=1000, models='MODES'), &
@@ -124,9 +126,11 @@ module limber_deck_body_options
       &    '', '', 'responses to what joints, drivers and loads exert on it, and to its accelerations; default YES with K_G', &
       &    models='MODES'), &
       & option_spec_type('FRAME', 'FUNCTIONS', kind_counting, '', &
-      &    '', '', 'functions of the angle of each member; default as *BEAM has', most=60, models='LARGE'), &
+      &    '', '', 'functions of the angle of each member; default as *BEAM has', most=60, models='LARGE', &
+      &    only='LARGE=YES'), &
       & option_spec_type('FRAME', 'STRAIN FUNCTIONS', kind_count, '', &
-      &    '', '', 'functions of the strain of each member; default as *BEAM has', most=60, models='LARGE'), &
+      &    '', '', 'functions of the strain of each member; default as *BEAM has', most=60, models='LARGE', &
+      &    only='LARGE=YES'), &
       & option_spec_type('NODE', 'BODY', kind_reference, 'FRAME', '', '', of_frame), &
       & option_spec_type('NODE', 'NSET', kind_text, '', '', '', 'set that these nodes join'), &
       & option_spec_type('ELEMENT', 'BODY', kind_reference, 'FRAME', '', '', of_frame), &

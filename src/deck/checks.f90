@@ -2,13 +2,17 @@
 !> once. Floor: deck.
 module limber_deck_checks
    use limber_base_names, only: name_index_type
-   use limber_base_text, only: nearest_name, lowercase
+   use limber_base_text, only: nearest_name, suggestion, lowercase
    use limber_deck_origin, only: origin_type
    use limber_deck_diagnostics, only: diagnostics_type, max_shown, max_errors
    use limber_deck_parameters, only: name_length
    use limber_deck_schema, only: option_spec_type, field_spec_type, kind_name, kind_reference, form_channels
-   use limber_deck_keywords, only: keyword_table, keyword_options, keyword_fields, find_keyword, contains_value
-   use limber_deck_content, only: deck_type, tell_block
+   use limber_deck_keywords, only: keyword_table, keyword_options, keyword_fields, find_keyword, contains_value, alternatives
+   use limber_deck_content, only: deck_type, block_type, tell_block
+   use limber_deck_idle_options, only: check_idle
+   use limber_deck_study_checks, only: check_study
+   use limber_deck_sweep_checks, only: check_sweep
+   use limber_deck_unused_objects, only: warn_of_unused
    implicit none
    private
    public :: check_deck
@@ -31,8 +35,18 @@ contains
       do i = 1, size(deck%blocks)
          if (diagnostics%count >= max_errors) return
          before = diagnostics%count
+         call check_name(deck%blocks(i), register, diagnostics)
+         if (diagnostics%count == before) cycle
+         deck%blocks(i)%broken = .true.
+         call tell_block(deck%blocks(i), diagnostics)
+         ! The name that was meant is not known
+         diagnostics%nameless = diagnostics%nameless + 1
+      end do
+      do i = 1, size(deck%blocks)
+         if (diagnostics%count >= max_errors) return
+         before = diagnostics%count
          call check_count(deck, i, diagnostics)
-         call check_options(deck, i, register, diagnostics)
+         call check_options(deck, i, diagnostics)
          call check_lines(deck, i, diagnostics)
          if (diagnostics%count == before) cycle
          deck%blocks(i)%broken = .true.
@@ -41,6 +55,7 @@ contains
       call check_ground(deck, diagnostics)
       call check_channels(deck, diagnostics)
       call explain_parameters(deck, diagnostics)
+      if (diagnostics%count == 0) call warn_of_unused(deck, diagnostics)
    end subroutine check_deck
 
    !> Reports a second block of a keyword that may occur once.
@@ -57,25 +72,35 @@ contains
       end associate
    end subroutine check_count
 
-   !> Checks the names that a block defines and refers to.
-   subroutine check_options(deck, i, register, diagnostics)
+   !> Checks that the name of a block is its own.
+   subroutine check_name(block, register, diagnostics)
+      type(block_type), intent(in) :: block
+      type(register_type), intent(inout) :: register
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(option_spec_type), allocatable :: specs(:)
+      integer :: k
+      if (.not. block%knows('NAME')) return
+      allocate (specs, source=keyword_options(block%keyword))
+      do k = 1, size(specs)
+         if (specs(k)%kind /= kind_name .or. .not. block%options(k)%has_value) cycle
+         call claim(register, trim(specs(k)%values), block%options(k)%text, block%options(k)%origin, diagnostics)
+      end do
+   end subroutine check_name
+
+   !> Checks the names that a block refers to, and whether its options have an effect.
+   subroutine check_options(deck, i, diagnostics)
       type(deck_type), intent(in) :: deck
       integer, intent(in) :: i
-      type(register_type), intent(inout) :: register
       type(diagnostics_type), intent(inout) :: diagnostics
       type(option_spec_type), allocatable :: specs(:)
       integer :: k
       allocate (specs, source=keyword_options(deck%blocks(i)%keyword))
       do k = 1, size(specs)
          if (.not. deck%blocks(i)%options(k)%has_value) cycle
-         if (specs(k)%kind == kind_name) then
-            call claim(register, trim(specs(k)%values), deck%blocks(i)%options(k)%text, &
-               & deck%blocks(i)%options(k)%origin, diagnostics)
-         else if (specs(k)%kind == kind_reference) then
-            call check_reference(deck, specs(k), deck%blocks(i)%options(k)%text, deck%blocks(i)%options(k)%origin, &
-               & diagnostics)
-         end if
+         if (specs(k)%kind == kind_reference) call check_reference(deck, specs(k), deck%blocks(i)%options(k)%text, &
+            & deck%blocks(i)%options(k)%origin, diagnostics)
       end do
+      call check_idle(deck%blocks(i), specs, diagnostics)
    end subroutine check_options
 
    !> Enters a name into a scope; reports one that is taken or reserved.
@@ -86,8 +111,7 @@ contains
       type(diagnostics_type), intent(inout) :: diagnostics
       type(origin_type), allocatable :: longer(:)
       integer :: i
-      if (scope == 'bodies' .and. name == 'ground' .or. scope == 'points of ground' .and. name == 'origin' .or. &
-         & scope == 'channels' .and. name == 'time') then
+      if (is_taken(scope, name)) then
          call diagnostics%add(origin, "the name '"//name//"' is reserved", 'give it another name')
          return
       end if
@@ -108,6 +132,22 @@ contains
       register%origins(i) = origin
    end subroutine claim
 
+   !> Whether a name has a meaning of its own in a scope: the ground and its origin; the whole in work(system); the time of
+   !> results; columns of a sweep's summary.
+   pure logical function is_taken(scope, name)
+      character(*), intent(in) :: scope, name
+      character(*), parameter :: columns(*) = [character(14) :: 'row', 'state', 'error_estimate', 'seconds', 'warnings', &
+         & 'history', 'message']
+      select case (scope)
+      case ('bodies'); is_taken = name == 'ground' .or. name == 'system'
+      case ('joints, drivers and loads'); is_taken = name == 'system'
+      case ('points of ground'); is_taken = name == 'origin'
+      case ('channels'); is_taken = name == 'time'
+      case ('scalars', 'parameters of the sweep'); is_taken = any(name == columns)
+      case default; is_taken = .false.
+      end select
+   end function is_taken
+
    !> Reports a reference to an object that does not exist or is of another kind.
    subroutine check_reference(deck, spec, name, origin, diagnostics)
       type(deck_type), intent(in) :: deck
@@ -119,7 +159,7 @@ contains
       character(:), allocatable :: kinds, label
       integer :: i, count, other
       if (deck%find_named(trim(spec%values), name) > 0) return
-      kinds = alternatives(trim(spec%values))
+      kinds = alternatives(trim(spec%values), '*')
       label = 'define it with '//kinds
       ! What is not shown need not be searched for
       if (diagnostics%count >= max_shown) then
@@ -138,7 +178,7 @@ contains
          end if
       end do
       i = nearest_name(name, names(:count))
-      if (i > 0) label = "did you mean '"//trim(names(i))//"'?"
+      label = suggestion(name, names(:count), label)
       if (other > 0 .and. i == 0) then
          call diagnostics%add(origin, "'"//name//"' is no "//kinds, trim(spec%meaning), &
             & deck%blocks(other)%origin_of('NAME'), 'it is a *'//deck%blocks(other)%keyword)
@@ -147,28 +187,15 @@ contains
       end if
    end subroutine check_reference
 
-   !> 'RIGID BODY|BEAM' as '*RIGID BODY or *BEAM'.
-   pure function alternatives(values) result(text)
-      character(*), intent(in) :: values
-      character(:), allocatable :: text
-      integer :: i
-      text = '*'
-      do i = 1, len(values)
-         if (values(i:i) == '|') then
-            text = text//' or *'
-         else
-            text = text//values(i:i)
-         end if
-      end do
-   end function alternatives
-
-   !> Checks that the points of one object differ, and the parameters of a sweep.
+   !> Checks that the points of one object differ, the parameters of a sweep, and the lists of a study.
    subroutine check_lines(deck, i, diagnostics)
-      type(deck_type), intent(in) :: deck
+      type(deck_type), intent(inout) :: deck
       integer, intent(in) :: i
       type(diagnostics_type), intent(inout) :: diagnostics
       type(register_type) :: register
-      if (deck%blocks(i)%keyword == 'GROUND' .or. size(deck%blocks(i)%lines) < 2) return
+      if (deck%blocks(i)%keyword == 'STUDY' .and. diagnostics%count == 0) call check_study(deck, i, diagnostics)
+      if (deck%blocks(i)%keyword == 'SWEEP' .and. .not. deck%blocks(i)%broken) call check_sweep(deck, i, diagnostics)
+      if (deck%blocks(i)%keyword == 'GROUND' .or. size(deck%blocks(i)%lines) == 0) return
       if (deck%blocks(i)%keyword == 'SWEEP') then
          call claim_points(deck, i, 'parameters of the sweep', register, diagnostics)
       else

@@ -75,6 +75,8 @@ module limber_deck_content
       type(line_type), allocatable :: lines(:)
       !> Whether an error stands in it, so that nothing can be built of it
       logical :: broken = .false.
+      !> Whether a block of an unknown keyword with a name stands right above it
+      logical :: after_unknown = .false.
    contains
       procedure :: knows
       procedure :: given
@@ -312,6 +314,7 @@ contains
          call move_alloc(blocks(i)%keyword, resized(i)%keyword)
          resized(i)%origin = blocks(i)%origin
          resized(i)%broken = blocks(i)%broken
+         resized(i)%after_unknown = blocks(i)%after_unknown
          call move_alloc(blocks(i)%options, resized(i)%options)
          call move_alloc(blocks(i)%lines, resized(i)%lines)
       end do

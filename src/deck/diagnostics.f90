@@ -43,6 +43,8 @@ module limber_deck_diagnostics
       integer :: count = 0, warnings = 0, silent = 0
       !> Objects whose definition is in error or missing, told already: what is said of them again is not shown
       type(name_index_type) :: told
+      !> Number of objects whose names are in error: the first unknown names may be theirs, and are not shown
+      integer :: nameless = 0
    contains
       procedure :: add
       procedure :: follow
@@ -71,6 +73,10 @@ contains
       !> The object that is missing, or that of its point: shown once, and not at all if its definition is in error
       character(*), intent(in), optional :: object
       type(diagnostic_type) :: item
+      if (present(object) .and. self%nameless > 0 .and. .not. self%is_told(object)) then
+         self%nameless = self%nameless - 1
+         call self%tell(object)
+      end if
       if (self%is_told(about) .or. self%is_told(object)) then
          call self%follow()
          return

@@ -3,10 +3,11 @@
 module limber_deck_effective
    use limber_base_text, only: as_text, newline
    use limber_deck_schema, only: form_none, form_text, form_assignments, kind_text, kind_path, kind_label, &
-      & is_number_kind, is_integer_kind, is_expression_kind, field_spec_type
-   use limber_deck_keywords, only: keyword_table, keyword_fields, find_keyword
+      & is_number_kind, is_integer_kind, is_expression_kind, field_spec_type, option_spec_type
+   use limber_deck_keywords, only: keyword_table, keyword_fields, keyword_options, find_keyword
    use limber_deck_content, only: deck_type, block_type, option_type, line_type, repeat_type
    use limber_deck_families, only: is_void
+   use limber_deck_idle_options, only: is_idle
    use limber_deck_lexer, only: is_comment, is_keyword_line, keyword_of
    use limber_deck_origin, only: origin_type
    implicit none
@@ -134,17 +135,21 @@ contains
    function keyword_line(block) result(text)
       type(block_type), intent(in) :: block
       character(:), allocatable :: text, line, item, model
+      type(option_spec_type), allocatable :: specs(:)
       integer :: i
+      allocate (specs, source=keyword_options(block%keyword))
       text = ''
       item = ''
       model = ''
       if (block%keyword == 'BEAM') model = block%word('GEOMETRIC')
       if (block%keyword == 'FRAME') then
+         model = block%word('GEOMETRIC')
          if (block%yes('LARGE')) model = 'LARGE'
       end if
       line = '*'//block%keyword
       do i = 1, size(block%options)
          if (.not. block%options(i)%has_value) cycle
+         if (is_idle(block, specs(i))) cycle
          ! What means nothing of this body is written only if the deck has it
          if (.not. block%options(i)%given .and. is_void(block%keyword, model, trim(block%options(i)%name))) cycle
          item = trim(block%options(i)%name)//'='//value_text(block%options(i))

@@ -7,9 +7,11 @@ module limber_deck_families
    private
    public :: is_void, settle_models
 
-   !> Options of beams that mean something with modes only, and of exact beams only; of frames, with modes only
+   !> Options of beams that mean something with modes only, and of exact beams only; of all flexible beams only; of frames, with
+   !> modes only
    character(20), parameter, public :: options_of_modes(*) = pack(beam_options%name, beam_options%models == 'MODES')
    character(20), parameter, public :: options_of_exact(*) = pack(beam_options%name, beam_options%models == 'EXACT')
+   character(20), parameter, public :: options_of_mesh(*) = [character(20) :: 'ELEMENTS', 'SUPPORT', 'SEGMENTS']
    character(20), parameter, public :: options_of_frame_modes(*) = pack(frame_options%name, frame_options%models == 'MODES')
    !> Where bodies are at first, and how fast: kept if the deck gives it, otherwise found by the assembly
    character(20), parameter :: bodies(*) = [character(20) :: 'POINT MASS', 'RIGID BODY', 'BEAM', 'FRAME']
@@ -89,17 +91,19 @@ contains
 
    !> Whether an option that the deck does not give means nothing of a body.
    pure logical function is_void(keyword, model, option)
-      !> Of the block; its GEOMETRIC, of a frame of exact beams LARGE; the option's name
+      !> Of the block; its GEOMETRIC, of a frame LARGE or its GEOMETRIC; the option's name
       character(*), intent(in) :: keyword, model, option
       is_void = any(bodies == keyword) .and. any(options_of_first_state == option)
       if (is_void) return
       if (keyword == 'FRAME' .and. model == 'LARGE') is_void = any(options_of_frame_modes == option)
+      if (keyword == 'FRAME' .and. model == 'RIGID') is_void = option /= 'GEOMETRIC' .and. any(options_of_frame_modes == option)
       if (keyword /= 'BEAM') return
       if (model == 'EXACT') then
          ! The functions of an exact beam are found from what holds it
          is_void = any(options_of_modes == option) .or. option == 'SUPPORT'
       else
          is_void = any(options_of_exact == option)
+         if (model == 'RIGID') is_void = is_void .or. any(options_of_mesh == option) .or. any(options_of_modes == option)
       end if
    end function is_void
 

@@ -7,7 +7,7 @@ module limber_deck_keyword_help
       & kind_reference, kind_real, kind_positive, kind_nonnegative, kind_count, kind_counting, kind_word, kind_text, &
       & kind_path, kind_point, kind_yes, form_none, form_text, form_assignments, form_channels, form_lists, word_spec_type
    use limber_deck_keywords, only: keyword_table, keyword_options, keyword_fields, keyword_lists, &
-      & keyword_words, find_keyword, load_language
+      & keyword_words, find_keyword, load_language, alternatives
    implicit none
    private
    public :: help_text, manual_text, asks_for_group
@@ -143,7 +143,7 @@ contains
       character(:), allocatable :: text
       select case (spec%kind)
       case (kind_name); text = 'a new name among the '//trim(spec%values)
-      case (kind_reference); text = 'the name of a *'//joined(trim(spec%values), ' or *')
+      case (kind_reference); text = 'the name of a '//alternatives(trim(spec%values), '*')
       case (kind_real); text = 'number'
       case (kind_positive); text = 'number > 0'
       case (kind_nonnegative); text = 'number >= 0'

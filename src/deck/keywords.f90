@@ -13,7 +13,7 @@ module limber_deck_keywords
    private
    public :: load_language, add_rows, find_keyword, keyword_options, keyword_fields, keyword_lists, keyword_words, &
       & keyword_example, &
-      & split_values, contains_value
+      & split_values, contains_value, alternatives
 
    !> The table, after `load_language`: all keywords in the order of the manual, all options in the order of their keywords
    type(keyword_type), allocatable, protected, public :: keyword_table(:)
@@ -103,17 +103,22 @@ module limber_deck_keywords
       & option_spec_type('SECTION', 'NAME', kind_name, 'sections', '', needed, 'name of the section'), &
       & option_spec_type('SECTION', 'SHAPE', kind_word, 'CIRCLE|RECTANGLE|TUBE|GENERAL', &
       &    '', needed, 'shape; decides which of the other options are needed'), &
-      & option_spec_type('SECTION', 'DIAMETER', kind_positive, '', 'm', '', '(outer) diameter of CIRCLE and TUBE'), &
+      & option_spec_type('SECTION', 'DIAMETER', kind_positive, '', 'm', '', '(outer) diameter of CIRCLE and TUBE', &
+      &    only='SHAPE=CIRCLE|TUBE'), &
       & option_spec_type('SECTION', 'WIDTH', kind_positive, '', &
-      &    'm', '', 'width of RECTANGLE, across the plane of bending'), &
-      & option_spec_type('SECTION', 'HEIGHT', kind_positive, '', 'm', '', 'height of RECTANGLE, in the plane of bending'), &
-      & option_spec_type('SECTION', 'THICKNESS', kind_positive, '', 'm', '', 'thickness of the wall of TUBE'), &
-      & option_spec_type('SECTION', 'AREA', kind_positive, '', 'm^2', '', 'area of GENERAL'), &
+      &    'm', '', 'width of RECTANGLE, across the plane of bending', only='SHAPE=RECTANGLE'), &
+      & option_spec_type('SECTION', 'HEIGHT', kind_positive, '', 'm', '', 'height of RECTANGLE, in the plane of bending', &
+      &    only='SHAPE=RECTANGLE'), &
+      & option_spec_type('SECTION', 'THICKNESS', kind_positive, '', 'm', '', 'thickness of the wall of TUBE', &
+      &    only='SHAPE=TUBE'), &
+      & option_spec_type('SECTION', 'AREA', kind_positive, '', 'm^2', '', 'area of GENERAL', only='SHAPE=GENERAL'), &
       & option_spec_type('SECTION', 'INERTIA', kind_positive, '', &
-      &    'm^4', '', 'second moment of area of GENERAL for bending in the plane'), &
+      &    'm^4', '', 'second moment of area of GENERAL for bending in the plane', only='SHAPE=GENERAL'), &
       & option_spec_type('SECTION', 'TOP', kind_positive, '', &
-      &    'm', '', 'GENERAL: distance from the axis of the extreme fibre to the left of the beam, for stresses'), &
-      & option_spec_type('SECTION', 'BOTTOM', kind_positive, '', 'm', '', 'GENERAL: the same to the right; if not given, TOP'), &
+      &    'm', '', 'GENERAL: distance from the axis of the extreme fibre to the left of the beam, for stresses', &
+      &    only='SHAPE=GENERAL'), &
+      & option_spec_type('SECTION', 'BOTTOM', kind_positive, '', 'm', '', 'GENERAL: the same to the right; if not given, TOP', &
+      &    only='SHAPE=GENERAL'), &
       & option_spec_type('SECTION', 'SHEAR FACTOR', kind_positive, '', &
       &    '', '', 'area in shear divided by area; default 5/6 of RECTANGLE, 6/7 of CIRCLE, of TUBE by its wall'), &
       & option_spec_type('GRAVITY', 'X', kind_real, '', 'm/s^2', '0', 'along x'), &
@@ -154,11 +159,11 @@ module limber_deck_keywords
       & option_spec_type('DYNAMICS', 'INTEGRATOR', kind_word, 'AUTO|ADAMS|ALPHA|RADAU|CONSERVING', &
       &    '', 'AUTO', 'integration method; AUTO: chosen from the scene and the tolerance, and said in the report'), &
       & option_spec_type('DYNAMICS', 'SPECTRAL RADIUS', kind_nonnegative, '', &
-      &    '', '0.8', 'ALPHA: 1 damps no vibration, 0 all that the step does not resolve'), &
+      &    '', '0.8', 'ALPHA: 1 damps no vibration, 0 all that the step does not resolve', only='INTEGRATOR=ALPHA|AUTO'), &
       & option_spec_type('DYNAMICS', 'INITIAL STEP', kind_positive, '', &
-      &    's', '', 'first step; if not given, chosen by the integrator'), &
+      &    's', '', 'first step; if not given, chosen by the integrator', only='-FIXED STEP'), &
       & option_spec_type('DYNAMICS', 'MAXIMUM STEP', kind_positive, '', &
-      &    's', '', 'longest step; if not given, not limited'), &
+      &    's', '', 'longest step; if not given, not limited', only='-FIXED STEP'), &
       & option_spec_type('DYNAMICS', 'FIXED STEP', kind_positive, '', &
       &    's', '', 'length of every step, whatever its error; TOLERANCE then ends iterations only'), &
       & option_spec_type('DYNAMICS', 'MAXIMUM STEPS', kind_counting, '', &
@@ -166,7 +171,8 @@ module limber_deck_keywords
       & option_spec_type('DYNAMICS', 'VELOCITIES', kind_word, 'KEPT|REST|DECK', &
       &    '', '', 'after another analysis: those at its end (default), none, or those that the deck gives the bodies'), &
       & option_spec_type('ACCURACY', 'ESTIMATE', kind_yes, '', &
-      &    '', 'NO', 'error of time integration beside each channel, by runs at other tolerances; no analysis but one *DYNAMICS'), &
+      &    '', 'NO', 'error of time integration beside each channel, by runs at other tolerances; no analysis but one *DYNAMICS', &
+      &    only='-TARGET'), &
       & option_spec_type('ACCURACY', 'TARGET', kind_positive, '', &
       &    '', '', 'error of channels by their largest values, for which limber chooses a model; of one *DYNAMICS alone'), &
       & option_spec_type('STUDY', 'REPEATS', kind_counting, '', &
@@ -180,9 +186,12 @@ module limber_deck_keywords
       & option_spec_type('SWEEP', 'METHOD', kind_word, 'GRID|PAIRS|LATIN HYPERCUBE', &
       &    '', 'GRID', 'all combinations; first values together, second ones, ...; or samples spread over ranges'), &
       & option_spec_type('SWEEP', 'FILE', kind_path, '', &
-      &    '', '', 'columns with the names of parameters above them (.csv); its rows count as one more line'), &
-      & option_spec_type('SWEEP', 'SAMPLES', kind_counting, '', '', '100', 'LATIN HYPERCUBE: number of runs', most=100000), &
-      & option_spec_type('SWEEP', 'SEED', kind_counting, '', '', '1', 'LATIN HYPERCUBE: another number, other samples'), &
+      &    '', '', 'columns with the names of parameters above them (.csv); its rows count as one more line', &
+      &    only='METHOD=GRID|PAIRS'), &
+      & option_spec_type('SWEEP', 'SAMPLES', kind_counting, '', '', '100', 'LATIN HYPERCUBE: number of runs', most=100000, &
+      &    only='METHOD=LATIN HYPERCUBE'), &
+      & option_spec_type('SWEEP', 'SEED', kind_counting, '', '', '1', 'LATIN HYPERCUBE: another number, other samples', &
+      &    only='METHOD=LATIN HYPERCUBE'), &
       & option_spec_type('SWEEP', 'KEEP', kind_yes, '', &
       &    '', 'NO', 'whether the whole history of each run is kept, in the folder beside the summary'), &
       & option_spec_type('SWEEP', 'LIMIT', kind_positive, '', &
@@ -221,8 +230,8 @@ module limber_deck_keywords
       &    '', 'LEAVE', 'where equilibrium turns unstable: go on with a stable one, stay, or end the run'), &
       & option_spec_type('STATICS', 'ROTATION', kind_real, '', &
       &    'rad/s', '0', 'speed at which everything turns about the centre at the end; grows from that before'), &
-      & option_spec_type('STATICS', 'CENTRE X', kind_real, '', 'm', '0', 'x of the centre of ROTATION'), &
-      & option_spec_type('STATICS', 'CENTRE Y', kind_real, '', 'm', '0', 'y of the centre of ROTATION'), &
+      & option_spec_type('STATICS', 'CENTRE X', kind_real, '', 'm', '0', 'x of the centre of ROTATION', only='ROTATION'), &
+      & option_spec_type('STATICS', 'CENTRE Y', kind_real, '', 'm', '0', 'y of the centre of ROTATION', only='ROTATION'), &
       & option_spec_type('MODES', 'NAME', kind_name, 'analyses', '', '', 'name of the step in the results'), &
       & option_spec_type('MODES', 'NUMBER', kind_counting, '', '', '10', 'number of modes: those of the lowest frequencies', &
       &    most=1000), &
@@ -428,6 +437,24 @@ contains
          first = first + bar
       end do
    end function split_values
+
+   !> 'GEAR|BELT|ROD' as 'GEAR, BELT or ROD'.
+   pure function alternatives(values, mark) result(text)
+      !> Words, and what is written before each
+      character(*), intent(in) :: values, mark
+      character(:), allocatable :: text
+      integer :: i
+      text = mark
+      do i = 1, len(values)
+         if (values(i:i) /= '|') then
+            text = text//values(i:i)
+         else if (index(values(i + 1:), '|') > 0) then
+            text = text//', '//mark
+         else
+            text = text//' or '//mark
+         end if
+      end do
+   end function alternatives
 
    !> Whether a word is in such a list.
    pure logical function contains_value(values, word)

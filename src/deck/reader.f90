@@ -18,7 +18,7 @@ module limber_deck_reader
    use limber_deck_schema, only: form_text
    use limber_deck_keywords, only: keyword_table, load_language
    use limber_deck_content, only: deck_type, repeat_type, resize_blocks
-   use limber_deck_blocks, only: open_block_type, begin_block, add_line, end_block, tell_name
+   use limber_deck_blocks, only: open_block_type, begin_block, add_line, end_block, tell_unknown
    use limber_deck_checks, only: check_deck
    use limber_deck_values, only: suggestion
    implicit none
@@ -285,7 +285,7 @@ contains
       if (is_keyword_line(line)) then
          call end_block(assembly, deck, diagnostics)
          parts(1)%text = line
-         call tell_name(parts, diagnostics)
+         call tell_unknown(assembly, parts, deck, diagnostics)
          assembly%skipping = .true.
       else
          assembly%seen = assembly%seen + 1

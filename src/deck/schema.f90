@@ -74,6 +74,9 @@ module limber_deck_schema
       !> frames
       !> of exact beams
       character(5) :: models = ''
+      !> When it has an effect; empty: always. 'TYPE=ROD|BELT': if that option has one of these words; 'ROTATION': if that option is
+      !> given; '-FIXED STEP': if that one is not
+      character(88) :: only = ''
    end type option_spec_type
 
    !> A field of the data lines of a keyword

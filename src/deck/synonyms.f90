@@ -89,6 +89,9 @@ module limber_deck_synonyms
       & remark_type('CLOAD', 'write *FORCE'), &
       & remark_type('DLOAD', 'write *DISTRIBUTED LOAD'), &
       & remark_type('STEP', 'analyses are *STATICS, *KINEMATICS, *INVERSE DYNAMICS, *MODES and *DYNAMICS'), &
+      & remark_type('END STEP', 'leave it out: an analysis ends where the next one begins'), &
+      & remark_type('BEAM GENERAL SECTION', 'write *SECTION, and *BEAM SECTION for a set of members'), &
+      & remark_type('FRAME SECTION', 'write *SECTION, and *BEAM SECTION for a set of members'), &
       & remark_type('STATIC', 'write *STATICS'), &
       & remark_type('DYNAMIC', 'write *DYNAMICS'), &
       & remark_type('FREQUENCY', 'write *MODES'), &

@@ -27,7 +27,7 @@ contains
       kind%clamps = .true.
       kind%needs = 'FIRST RADIUS|SECOND RADIUS'
       allocate (kind%options, source=[option_spec_type('JOINT', 'CROSSED', kind_yes, '', '', '', &
-         & 'BELT: crossed, so that the wheels turn against each other')])
+         & 'BELT: crossed, so that the wheels turn against each other', only='TYPE=BELT')])
    end function belt_kind
 
    subroutine read(self, block, joint, diagnostics)

@@ -33,7 +33,8 @@ module limber_elements_bushing
       & option_spec_type('BUSHING', 'DAMPING Y', kind_nonnegative, '', 'N s/m', '0', 'force for each unit of speed'), &
       & option_spec_type('BUSHING', 'DAMPING ROTATION', kind_nonnegative, '', 'N m s', '0', 'torque for each unit of spin'), &
       & option_spec_type('BUSHING', 'ANGLE', kind_real, '', &
-      &    'rad', '0', 'angle of the first section less that of the second without torque')]
+      &    'rad', '0', 'angle of the first section less that of the second without torque', &
+      &    only='STIFFNESS ROTATION')]
    !> Fields of its data lines
    type(field_spec_type), parameter :: fields(*) = [ &
       & field_spec_type('BUSHING', 'first point', kind_point, '', 'body.point'), &
@@ -74,6 +75,8 @@ contains
          if (any(points == 0)) return
          if (model%points(points(1))%body == model%points(points(2))%body) call diagnostics%add(block%lines(1)%origin_of(2), &
             & "bushing '"//block%name()//"' joins a body to itself", 'name points of two different bodies')
+         if (.not. acts(block)) call diagnostics%add(block%origin, "bushing '"//block%name()//"' does nothing", &
+            & 'give it a STIFFNESS or DAMPING: limber help BUSHING')
          do k = 1, 3
             part = new_part(merge(along_angle, along_slide, k == 3), points(1), points(2))
             part%angle = block%real('AXES') + (k - 1)*quarter
@@ -85,8 +88,17 @@ contains
          end do
          call name_load(model, block%name(), size(model%load_parts) - 2)
          call describe_load(model, holds_sections=.true.)
+         model%loads(size(model%loads))%resists = [(block%given('STIFFNESS '//trim(ends(k))) .or. &
+            & block%given('DAMPING '//trim(ends(k))), k=1, 3)]
       end associate
    end subroutine read
+
+   !> Whether a stiffness or damping is given.
+   pure logical function acts(block)
+      type(block_type), intent(in) :: block
+      acts = any(block%options%given .and. (index(block%options%name, 'STIFFNESS') == 1 .or. &
+         & index(block%options%name, 'DAMPING') == 1))
+   end function acts
 
    !> Both points, and both sections if it resists rotation.
    subroutine act(self, deck, block, body, points)

@@ -26,30 +26,37 @@ module limber_elements_control
       & option_spec_type('CONTROL', 'TYPE', kind_word, 'INTEGRATOR|LAG|SECOND ORDER|TRANSFER FUNCTION|STATE SPACE|PID|' &
       &    //'SATURATION|DEAD ZONE|HYSTERESIS|RATE LIMIT|HOLD', '', needed, 'what it makes of its input'), &
       & option_spec_type('CONTROL', 'GAIN', kind_real, '', '', '1', &
-      &    'factor of the input, but for TRANSFER FUNCTION, STATE SPACE, PID; HYSTERESIS: the output if it is on'), &
+      &    'factor of the input, but for TRANSFER FUNCTION, STATE SPACE, PID; HYSTERESIS: the output if it is on', &
+      &    only='TYPE=INTEGRATOR|LAG|SECOND ORDER|SATURATION|DEAD ZONE|HYSTERESIS|RATE LIMIT|HOLD'), &
       & option_spec_type('CONTROL', 'TIME CONSTANT', kind_positive, '', 's', '', &
-      &    'LAG, RATE LIMIT: how slowly the output follows'), &
+      &    'LAG, RATE LIMIT: how slowly the output follows', only='TYPE=LAG|RATE LIMIT'), &
       & option_spec_type('CONTROL', 'FREQUENCY', kind_positive, '', 'rad/s', '', &
-      &    'SECOND ORDER: angular frequency without damping'), &
-      & option_spec_type('CONTROL', 'DAMPING', kind_nonnegative, '', '', '', 'SECOND ORDER: damping ratio'), &
-      & option_spec_type('CONTROL', 'KP', kind_real, '', '', '0', 'PID: gain of the input'), &
-      & option_spec_type('CONTROL', 'KI', kind_real, '', '1/s', '0', 'PID: gain of its integral'), &
-      & option_spec_type('CONTROL', 'KD', kind_real, '', 's', '0', 'PID: gain of its derivative'), &
+      &    'SECOND ORDER: angular frequency without damping', only='TYPE=SECOND ORDER'), &
+      & option_spec_type('CONTROL', 'DAMPING', kind_nonnegative, '', '', '', 'SECOND ORDER: damping ratio', &
+      &    only='TYPE=SECOND ORDER'), &
+      & option_spec_type('CONTROL', 'KP', kind_real, '', '', '0', 'PID: gain of the input', only='TYPE=PID'), &
+      & option_spec_type('CONTROL', 'KI', kind_real, '', '1/s', '0', 'PID: gain of its integral', only='TYPE=PID'), &
+      & option_spec_type('CONTROL', 'KD', kind_real, '', 's', '0', 'PID: gain of its derivative', only='TYPE=PID'), &
       & option_spec_type('CONTROL', 'FILTER', kind_positive, '', 's', '', &
-      &    'PID without PERIOD: time constant of the lag of the derivative, which starts at rest'), &
+      &    'PID without PERIOD: time constant of the lag of the derivative, which starts at rest', only='TYPE=PID'), &
       & option_spec_type('CONTROL', 'LEAST', kind_real, '', '', '', &
-      &    'PID, SATURATION, HOLD: least output; DEAD ZONE, HYSTERESIS: limit of the input below; RATE LIMIT: least rate'), &
+      &    'PID, SATURATION, HOLD: least output; DEAD ZONE, HYSTERESIS: limit of the input below; RATE LIMIT: least rate', &
+      &    only='TYPE=PID|SATURATION|DEAD ZONE|HYSTERESIS|RATE LIMIT|HOLD'), &
       & option_spec_type('CONTROL', 'MOST', kind_real, '', '', '', &
-      &    'PID, SATURATION, HOLD: greatest output; DEAD ZONE, HYSTERESIS: limit above; RATE LIMIT: greatest rate'), &
+      &    'PID, SATURATION, HOLD: greatest output; DEAD ZONE, HYSTERESIS: limit above; RATE LIMIT: greatest rate', &
+      &    only='TYPE=PID|SATURATION|DEAD ZONE|HYSTERESIS|RATE LIMIT|HOLD'), &
       & option_spec_type('CONTROL', 'TRACKING', kind_positive, '', 's', '', &
-      &    'PID with limits, without PERIOD: time in which the integral goes back; default: KP/KI'), &
+      &    'PID with limits, without PERIOD: time in which the integral goes back; default: KP/KI', only='TYPE=PID'), &
       & option_spec_type('CONTROL', 'PERIOD', kind_positive, '', 's', '', &
-      &    'HOLD, PID: time between samples, which are at its multiples; a PID without it is continuous'), &
+      &    'HOLD, PID: time between samples, which are at its multiples; a PID without it is continuous', &
+      &    only='TYPE=PID|HOLD'), &
       & option_spec_type('CONTROL', 'DELAY', kind_nonnegative, '', 's', '0', &
-      &    'with PERIOD: time from a sample to the output that follows from it, at most PERIOD'), &
-      & option_spec_type('CONTROL', 'INITIAL', kind_real, '', '', '0', 'its first output, without that of the input at once'), &
+      &    'with PERIOD: time from a sample to the output that follows from it, at most PERIOD', only='TYPE=PID|HOLD'), &
+      & option_spec_type('CONTROL', 'INITIAL', kind_real, '', '', '0', 'its first output, without that of the input at once', &
+      &    only='TYPE=INTEGRATOR|LAG|SECOND ORDER|PID|HYSTERESIS|RATE LIMIT|HOLD'), &
       & option_spec_type('CONTROL', 'SCALE', kind_positive, '', '', '1e-3', &
-      &    'errors of states count relative to their largest value so far, not below this size of the output')]
+      &    'errors of states count relative to their largest value so far, not below this size of the output', &
+      &    only='TYPE=INTEGRATOR|LAG|SECOND ORDER|TRANSFER FUNCTION|STATE SPACE|PID|RATE LIMIT')]
    !> Fields of its data lines
    type(field_spec_type), parameter :: fields(*) = [ &
       & field_spec_type('CONTROL', 'input', kind_law, '', &
@@ -81,22 +88,6 @@ module limber_elements_control
       & ' output(pid)', &
       & '*TORQUE, NAME=drive, BODY=arm', &
       & ' output(motor)']
-
-   !> Options that only some types have, and these types
-   type :: allowed_type
-      character(13) :: option
-      character(80) :: types
-   end type allowed_type
-   type(allowed_type), parameter :: allowed(*) = [ &
-      & allowed_type('GAIN', 'INTEGRATOR|LAG|SECOND ORDER|SATURATION|DEAD ZONE|HYSTERESIS|RATE LIMIT|HOLD'), &
-      & allowed_type('TIME CONSTANT', 'LAG|RATE LIMIT'), allowed_type('FREQUENCY', 'SECOND ORDER'), &
-      & allowed_type('DAMPING', 'SECOND ORDER'), allowed_type('KP', 'PID'), allowed_type('KI', 'PID'), &
-      & allowed_type('KD', 'PID'), allowed_type('FILTER', 'PID'), &
-      & allowed_type('LEAST', 'PID|SATURATION|DEAD ZONE|HYSTERESIS|RATE LIMIT|HOLD'), &
-      & allowed_type('MOST', 'PID|SATURATION|DEAD ZONE|HYSTERESIS|RATE LIMIT|HOLD'), allowed_type('TRACKING', 'PID'), &
-      & allowed_type('PERIOD', 'PID|HOLD'), allowed_type('DELAY', 'PID|HOLD'), &
-      & allowed_type('INITIAL', 'INTEGRATOR|LAG|SECOND ORDER|PID|HYSTERESIS|RATE LIMIT|HOLD'), &
-      & allowed_type('SCALE', 'INTEGRATOR|LAG|SECOND ORDER|TRANSFER FUNCTION|STATE SPACE|PID|RATE LIMIT')]
 
    type, extends(element_type) :: control_element_type
    contains
@@ -154,16 +145,12 @@ contains
       call add_states(model, scales)
    end subroutine read
 
-   !> Reports options that the type does not have, and those that it lacks.
+   !> Reports options that the type lacks, and values that do not fit each other.
    subroutine check_options(block, diagnostics)
       type(block_type), intent(in) :: block
       type(diagnostics_type), intent(inout) :: diagnostics
       character(:), allocatable :: kind
-      integer :: i
       kind = block%word('TYPE')
-      do i = 1, size(allowed)
-         call check_option(trim(allowed(i)%option), trim(allowed(i)%types))
-      end do
       if (kind == 'LAG' .or. kind == 'RATE LIMIT') call need('TIME CONSTANT')
       if (kind == 'SECOND ORDER') call need('FREQUENCY')
       if (kind == 'SECOND ORDER') call need('DAMPING')
@@ -196,14 +183,6 @@ contains
 
    contains
 
-      !> Reports an option that the type does not have.
-      subroutine check_option(option, types)
-         !> Its name, and the types that have it, with bars between
-         character(*), intent(in) :: option, types
-         if (.not. block%given(option) .or. index('|'//types//'|', '|'//kind//'|') > 0) return
-         call diagnostics%add(block%origin_of(option), option//' is not of controls of TYPE='//kind, 'it is of '//listed(types))
-      end subroutine check_option
-
       !> Reports a missing option.
       subroutine need(option)
          character(*), intent(in) :: option
@@ -212,22 +191,6 @@ contains
       end subroutine need
 
    end subroutine check_options
-
-   !> Words as a list: 'A, B'.
-   pure function listed(words) result(text)
-      !> With | between them
-      character(*), intent(in) :: words
-      character(:), allocatable :: text
-      integer :: i
-      text = ''
-      do i = 1, len(words)
-         if (words(i:i) == '|') then
-            text = text//', '
-         else
-            text = text//words(i:i)
-         end if
-      end do
-   end function listed
 
    !> Options of a PID beside each other.
    subroutine check_pid(block, diagnostics)

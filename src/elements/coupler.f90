@@ -1,11 +1,13 @@
 !> Linear couplings of joint coordinates: *COUPLER. Floor: elements. Source: doc/theory, eq. (3.21).
 module limber_elements_coupler
+   use limber_base_kinds, only: wp
    use limber_deck_content, only: deck_type, block_type, line_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_schema, only: keyword_type, option_spec_type, field_spec_type, word_spec_type, keyword_rows_type, many, needed, &
       & kind_name, kind_time_expression, form_fields
    use limber_model_beam_segments, only: find_frame
    use limber_model_element, only: element_type
+   use limber_model_joint_coordinates, only: check_coordinate
    use limber_model_joint_list, only: new_joint, find_joint, warn_along
    use limber_model_model, only: model_type, term_type, body_point, coordinate_angle, coordinate_joint_angle, &
       & coordinate_displacement
@@ -69,7 +71,11 @@ contains
                cycle
             end if
             call read_term(block, block%lines(i), model, term, diagnostics)
-            if (term%of > 0) model%joints(joint)%terms = [model%joints(joint)%terms, term]
+            if (term%of == 0) cycle
+            if (any(model%joints(joint)%terms%kind == term%kind .and. model%joints(joint)%terms%of == term%of)) call &
+               & diagnostics%add(block%lines(i)%origin_of(2), block%lines(i)%text(2)//' of '//block%lines(i)%text(3)// &
+               & " stands twice in coupler '"//block%name()//"'", 'add the two coefficients in one line')
+            model%joints(joint)%terms = [model%joints(joint)%terms, term]
          end do
          if (diagnostics%count > before) return
          if (size(model%joints(joint)%terms) == 0) call diagnostics%add(block%origin, "coupler '"//block%name()// &
@@ -92,6 +98,8 @@ contains
          return
       end if
       term%coefficient = line%fields(1)%expression%constant_value()
+      if (.not. abs(term%coefficient) > 0.0_wp) call diagnostics%add(line%origin_of(1), "a coefficient of coupler '"// &
+         & block%name()//"' is 0, and couples nothing", 'leave this line out, or give another number')
       select case (line%text(2))
       case ('angle'); term%kind = coordinate_angle
       case ('joint_angle'); term%kind = coordinate_joint_angle
@@ -118,8 +126,9 @@ contains
          term%of = find_joint(model, line%text(3))
          if (term%of == 0) call diagnostics%add(line%origin_of(3), "there is no joint '"//line%text(3)//"'", &
             & object=line%text(3))
-         if (term%of > 0 .and. term%kind == coordinate_displacement) &
-            & call warn_along(model, term%of, line%origin_of(3), diagnostics)
+         if (term%of == 0) return
+         call check_coordinate(model%joints(term%of), term%kind, line%origin_of(2), diagnostics)
+         if (term%kind == coordinate_displacement) call warn_along(model, term%of, line%origin_of(3), diagnostics)
       end if
    end subroutine read_term
 

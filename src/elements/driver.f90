@@ -9,11 +9,13 @@ module limber_elements_driver
    use limber_model_driver_list, only: append_driver
    use limber_model_element, only: element_type
    use limber_model_held_ends, only: hold_type, note
+   use limber_model_joint_coordinates, only: check_coordinate
    use limber_model_joint_list, only: find_joint, warn_along
    use limber_model_law_breaks, only: law_breaks, law_stations
    use limber_model_law_integrals, only: integrate
    use limber_model_model, only: model_type, driver_type, ground, driver_angle, driver_joint_angle, driver_distance, &
-      & driver_displacement, driver_x, driver_y
+      & driver_displacement, driver_x, driver_y, coordinate_joint_angle, coordinate_displacement
+   use limber_model_load_parts, only: keep_distance
    use limber_model_points, only: find_point
    use limber_model_points_of_action, only: acting_type, enter, along_joint, has_pair, body_of, point_of, first_angle, nearly
    implicit none
@@ -30,17 +32,21 @@ module limber_elements_driver
       & option_spec_type('DRIVER', 'TYPE', kind_word, 'ANGLE|DISTANCE|DISPLACEMENT|X|Y', &
       &    '', needed, 'angle of BODY or JOINT, distance of POINT and TO, displacement of JOINT, x or y of POINT'), &
       & option_spec_type('DRIVER', 'BODY', kind_reference, 'RIGID BODY|BEAM|FRAME', '', '', &
-      &    'ANGLE: body that is driven'), &
+      &    'ANGLE: body that is driven', only='TYPE=ANGLE'), &
       & option_spec_type('DRIVER', 'JOINT', kind_reference, 'JOINT', &
-      &    '', '', 'ANGLE, DISPLACEMENT: joint whose joint_angle or displacement is driven'), &
-      & option_spec_type('DRIVER', 'POINT', kind_point, '', '', '', 'X, Y, DISTANCE: point that is driven'), &
-      & option_spec_type('DRIVER', 'TO', kind_point, '', '', '', 'DISTANCE: point that the distance is counted from'), &
+      &    '', '', 'ANGLE, DISPLACEMENT: joint whose joint_angle or displacement is driven', &
+      &    only='TYPE=ANGLE|DISPLACEMENT'), &
+      & option_spec_type('DRIVER', 'POINT', kind_point, '', '', '', 'X, Y, DISTANCE: point that is driven', &
+      &    only='TYPE=X|Y|DISTANCE'), &
+      & option_spec_type('DRIVER', 'TO', kind_point, '', '', '', 'DISTANCE: point that the distance is counted from', &
+      &    only='TYPE=DISTANCE'), &
       & option_spec_type('DRIVER', 'LEVEL', kind_word, 'POSITION|VELOCITY|ACCELERATION', &
       &    '', 'POSITION', 'what the expression gives: the coordinate, its rate, or its second rate'), &
       & option_spec_type('DRIVER', 'INITIAL', kind_real, '', &
-      &    'rad, m', '', 'VELOCITY, ACCELERATION: the coordinate at first; if not given, as guessed'), &
+      &    'rad, m', '', 'VELOCITY, ACCELERATION: the coordinate at first; if not given, as guessed', &
+      &    only='LEVEL=VELOCITY|ACCELERATION'), &
       & option_spec_type('DRIVER', 'INITIAL VELOCITY', kind_real, '', &
-      &    'rad/s, m/s', '', 'ACCELERATION: the rate at first; if not given, 0')]
+      &    'rad/s, m/s', '', 'ACCELERATION: the rate at first; if not given, 0', only='LEVEL=ACCELERATION')]
    !> Fields of its data lines
    type(field_spec_type), parameter :: fields(*) = [ &
       & field_spec_type('DRIVER', 'value', kind_time_expression, 'rad, m', &
@@ -133,9 +139,12 @@ contains
       case ('ANGLE')
          if (joint > 0) kind = driver_joint_angle
          call need((joint > 0) .neqv. (body > 0), 'BODY or JOINT, one of the two')
+         if (ok .and. joint > 0) call check_coordinate(model%joints(joint), coordinate_joint_angle, block%origin_of('JOINT'), &
+            & diagnostics)
       case ('DISPLACEMENT')
          kind = driver_displacement
          call need(joint > 0, 'JOINT')
+         if (ok) call check_coordinate(model%joints(joint), coordinate_displacement, block%origin_of('JOINT'), diagnostics)
          if (ok) call warn_along(model, joint, block%origin_of('JOINT'), diagnostics)
       case ('DISTANCE')
          kind = driver_distance
@@ -152,6 +161,11 @@ contains
       if (any(points > 0)) then
          if (all(model%points(pack(points, points > 0))%body == ground)) call diagnostics%add(block%origin, &
             & "driver '"//block%name()//"' drives a point of the ground", 'name a point of a body')
+      end if
+      if (kind == driver_distance) then
+         if (any(model%points(points)%body /= ground) .and. keep_distance(model, points)) call diagnostics%add( &
+            & block%origin_of('TO'), "driver '"//block%name()//"' drives a distance that never changes", &
+            & 'name points of two different bodies')
       end if
       if (kind /= driver_distance .and. kind /= driver_x .and. kind /= driver_y) points = 0
 

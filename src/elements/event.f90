@@ -22,11 +22,14 @@ module limber_elements_event
       &    'crossings that count: from below zero to above, from above to below, or both'), &
       & option_spec_type('EVENT', 'ACTION', kind_word, 'SAMPLE|STOP|END STEP|SWITCH', '', 'SAMPLE', &
       &    'what happens there'), &
-      & option_spec_type('EVENT', 'SWITCH', kind_reference, 'SWITCH', '', '', 'SWITCH: the switch that it turns'), &
+      & option_spec_type('EVENT', 'SWITCH', kind_reference, 'SWITCH', '', '', 'SWITCH: the switch that it turns', &
+      &    only='ACTION=SWITCH'), &
       & option_spec_type('EVENT', 'TO', kind_word, 'ON|OFF|TOGGLE', '', 'ON', &
-      &    'SWITCH: the new state; no crossing counts while the switch is in that state; TOGGLE: the other state'), &
+      &    'SWITCH: the new state; no crossing counts while the switch is in that state; TOGGLE: the other state', &
+      &    only='ACTION=SWITCH'), &
       & option_spec_type('EVENT', 'NUMBER', kind_counting, '', '', '1', &
-      &    'crossing that acts, of those that count, anew in each *DYNAMICS; SWITCH: that one and all behind it'), &
+      &    'crossing that acts, of those that count, anew in each *DYNAMICS; SWITCH: that one and all behind it', &
+      &    only='ACTION=STOP|END STEP|SWITCH'), &
       & option_spec_type('EVENT', 'AFTER', kind_real, '', 's', '', 'time before which no crossing counts; default: all count')]
    !> Fields of its data lines
    type(field_spec_type), parameter :: fields(*) = [ &
@@ -96,11 +99,7 @@ contains
       type(model_type), intent(in) :: model
       type(event_type), intent(inout) :: event
       type(diagnostics_type), intent(inout) :: diagnostics
-      if (event%action /= event_switch) then
-         if (block%has('SWITCH')) call diagnostics%add(block%origin_of('SWITCH'), "event '"//event%name// &
-            & "' names a switch and does not turn it", 'add ACTION=SWITCH, or remove SWITCH')
-         return
-      end if
+      if (event%action /= event_switch) return
       if (.not. block%has('SWITCH')) then
          call diagnostics%add(block%origin_of('ACTION'), "event '"//event%name//"' turns no switch", 'add SWITCH=')
          return

@@ -7,7 +7,7 @@ module limber_elements_force
       & needed, kind_name, kind_point, kind_yes, kind_law, form_fields
    use limber_model_element, only: element_type
    use limber_model_load_parts, only: new_part, set_law, append_part, name_load, need_frame, is_zero
-   use limber_model_model, only: model_type, load_part_type, along_axis, along_follower
+   use limber_model_model, only: ground, model_type, load_part_type, along_axis, along_follower
    use limber_model_points, only: find_point
    use limber_model_points_of_action, only: acting_type, enter
    implicit none
@@ -58,6 +58,11 @@ contains
       associate (block => deck%blocks(index))
          point = find_point(model, block%text('POINT'), block%origin_of('POINT'), diagnostics)
          if (point == 0 .or. size(block%lines) /= 1) return
+         if (model%points(point)%body == ground) then
+            call diagnostics%add(block%origin_of('POINT'), "force '"//block%name()//"' acts on the ground, and moves nothing", &
+               & 'name a point of a body')
+            return
+         end if
          if (block%yes('FOLLOWER')) call need_frame(model, point, block%text('POINT'), block%origin_of('POINT'), diagnostics)
          first = size(model%load_parts) + 1
          do k = 1, 2

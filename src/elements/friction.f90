@@ -5,8 +5,9 @@ module limber_elements_friction
    use limber_deck_schema, only: keyword_type, option_spec_type, field_spec_type, word_spec_type, keyword_rows_type, many, &
       & needed, kind_name, kind_reference, kind_nonnegative, form_none
    use limber_model_element, only: element_type
-   use limber_model_load_parts, only: new_part, append_part, name_load
-   use limber_model_model, only: model_type, load_part_type, along_angle, along_slide, place_on_line
+   use limber_model_joint_coordinates, only: free_motion
+   use limber_model_load_parts, only: append_part, name_load
+   use limber_model_model, only: model_type, load_part_type
    use limber_model_points, only: find_named
    use limber_model_points_of_action, only: acting_type, along_joint
    implicit none
@@ -48,18 +49,15 @@ contains
       type(diagnostics_type), intent(inout) :: diagnostics
       type(load_part_type) :: part
       integer :: i
+      logical :: found
       associate (block => deck%blocks(index))
          i = find_named(model, 'joint', block%name('JOINT'))
          if (i == 0) return
          associate (joint => model%joints(i))
-            if (joint%is_hinge()) then
-               part = new_part(along_angle, joint%points(1), joint%points(2))
-            else if (joint%place == place_on_line) then
-               part = new_part(along_slide, joint%points(1), joint%points(2))
-               part%angle = joint%angle
-            else
+            call free_motion(joint, part, found)
+            if (.not. found) then
                call diagnostics%add(block%origin_of('JOINT'), "there is no friction in joint '"//joint%name//"'", &
-                  & 'it is for joints of the types REVOLUTE, TRANSLATIONAL and POINT ON LINE')
+                  & 'it is for joints of the types REVOLUTE, TRANSLATIONAL and POINT ON LINE', object=block%name('JOINT'))
                return
             end if
             part%damping = block%real('COEFFICIENT')

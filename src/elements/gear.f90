@@ -26,9 +26,12 @@ contains
       kind%clamps = .true.
       kind%needs = 'FIRST RADIUS|SECOND RADIUS'
       allocate (kind%options, source=[ &
-         & option_spec_type('JOINT', 'FIRST RADIUS', kind_positive, '', 'm', '', 'GEAR, BELT: radius on the first body'), &
-         & option_spec_type('JOINT', 'SECOND RADIUS', kind_positive, '', 'm', '', 'GEAR, BELT: radius on the second body'), &
-         & option_spec_type('JOINT', 'INTERNAL', kind_yes, '', '', '', 'GEAR: one gear runs inside the other')])
+         & option_spec_type('JOINT', 'FIRST RADIUS', kind_positive, '', 'm', '', 'GEAR, BELT: radius on the first body', &
+         &    only='TYPE=GEAR|BELT'), &
+         & option_spec_type('JOINT', 'SECOND RADIUS', kind_positive, '', 'm', '', 'GEAR, BELT: radius on the second body', &
+         &    only='TYPE=GEAR|BELT'), &
+         & option_spec_type('JOINT', 'INTERNAL', kind_yes, '', '', '', 'GEAR: one gear runs inside the other', &
+         &    only='TYPE=GEAR')])
    end function gear_kind
 
    subroutine read(self, block, joint, diagnostics)

@@ -8,7 +8,8 @@ module limber_elements_joint
    use limber_deck_keywords, only: split_values
    use limber_deck_schema, only: keyword_type, option_spec_type, field_spec_type, word_spec_type, keyword_rows_type, many, needed, &
       & kind_name, kind_word, kind_real, kind_point, form_fields
-   use limber_model_curve, only: curve_type, spline_curve, expression_curve
+   use limber_model_curve, only: curve_type
+   use limber_model_curve_block, only: read_curve
    use limber_model_element, only: element_type
    use limber_model_element_effects, only: is_alone
    use limber_model_held_ends, only: hold_type, note
@@ -29,9 +30,11 @@ module limber_elements_joint
       & needed, 'name of the joint')
    type(option_spec_type), parameter :: options(*) = [ &
       & option_spec_type('JOINT', 'ANGLE', kind_real, '', &
-      &    'rad', '0', 'POINT ON LINE, TRANSLATIONAL, RACK, POINT ON CURVE: direction of the (x) axis in the second section'), &
+      &    'rad', '0', 'POINT ON LINE, TRANSLATIONAL, RACK, POINT ON CURVE: direction of the (x) axis in the second section', &
+      &    only='TYPE=POINT ON LINE|TRANSLATIONAL|RACK|POINT ON CURVE'), &
       & option_spec_type('JOINT', 'TURN', kind_real, '', &
-      &    'rad', '', 'TRANSLATIONAL, WELD: angle of the first section from the second; if not given, as guessed')]
+      &    'rad', '', 'TRANSLATIONAL, WELD: angle of the first section from the second; if not given, as guessed', &
+      &    only='TYPE=TRANSLATIONAL|WELD')]
    !> Fields of its data lines
    type(field_spec_type), parameter :: fields(*) = [ &
       & field_spec_type('JOINT', 'first point', kind_point, '', 'body.point'), &
@@ -96,6 +99,7 @@ contains
          model%joints(joint)%points = points
          associate (kind => joint_kinds(joint_kind(block%word('TYPE')))%item)
             call read_sizes(block, kind, model%joints(joint), diagnostics)
+            if (diagnostics%count > before) return
             call kind%check(block, model, bodies, diagnostics)
             call check_guess(block, model, kind, model%joints(joint), diagnostics)
          end associate
@@ -111,6 +115,7 @@ contains
       type(joint_type), intent(inout) :: joint
       type(diagnostics_type), intent(inout) :: diagnostics
       character(len(kind%needs)), allocatable :: needs(:)
+      character(:), allocatable :: missing
       integer :: i
       joint%angle = block%real('ANGLE')
       joint%turn = block%real('TURN')
@@ -118,11 +123,13 @@ contains
       call kind%read(block, joint, diagnostics)
       call describe_joint(kind%word, joint)
       allocate (needs, source=split_values(kind%needs))
+      missing = ''
       do i = 1, size(needs)
          if (needs(i) == '') cycle
-         if (.not. block%has(trim(needs(i)))) call diagnostics%add(block%origin, "joint '"//block%name()//"' of TYPE="// &
-            & block%word('TYPE')//' needs '//trim(needs(i)), 'add '//trim(needs(i))//'=')
+         if (.not. block%has(trim(needs(i)))) missing = missing//', '//trim(needs(i))
       end do
+      if (missing /= '') call diagnostics%add(block%origin, "joint '"//block%name()//"' of TYPE="//block%word('TYPE')// &
+         & ' needs '//missing(3:), 'add '//missing(3:index(missing(3:)//',', ',') + 1)//'=')
    end subroutine read_sizes
 
    !> Reports initial guesses that a joint cannot start from, and warns of doubtful ones.
@@ -174,43 +181,13 @@ contains
       type(block_type), intent(in) :: block
       type(curve_type), intent(inout) :: curve
       type(diagnostics_type), intent(inout) :: diagnostics
-      real(wp), allocatable :: points(:, :)
-      integer :: from, i, n
+      type(diagnostics_type) :: told
+      integer :: from
       from = deck%find_named('CURVE', block%name('CURVE'))
       if (from == 0) return
-      associate (lines => deck%blocks(from)%lines)
-         n = size(lines)
-         if (n == 1) then
-            if (size(lines(1)%fields) == 1) then
-               curve = expression_curve(lines(1)%fields(1)%expression)
-               return
-            end if
-         end if
-         allocate (points(2, n))
-         do i = 1, n
-            if (size(lines(i)%fields) < 2 .or. .not. lines(i)%fields(1)%expression%is_constant()) then
-               call diagnostics%add(lines(i)%origin, "curve '"//deck%blocks(from)%name()//"' has a line that is no point", &
-                  & 'give points x, y; or one line alone with y as an expression of x')
-               return
-            end if
-            points(1, i) = lines(i)%fields(1)%expression%constant_value()
-            points(2, i) = lines(i)%fields(2)%value
-            if (i > 1) then
-               if (.not. norm2(points(:, i) - points(:, i - 1)) > 0.0_wp) then
-                  call diagnostics%add(lines(i)%origin, 'this point is the one before it', 'remove one of the two')
-                  return
-               end if
-            end if
-         end do
-         if (n < 3) then
-            call diagnostics%add(deck%blocks(from)%origin, "curve '"//deck%blocks(from)%name()//"' has "//as_text(n)//' points', &
-               & 'give at least three')
-            return
-         end if
-         ! A closed curve may repeat its first point
-         if (deck%blocks(from)%yes('CLOSED') .and. norm2(points(:, n) - points(:, 1)) <= 1.0e-12_wp*maxval(abs(points))) n = n - 1
-         curve = spline_curve(points(:, :n), deck%blocks(from)%yes('CLOSED'))
-      end associate
+      call read_curve(deck%blocks(from), curve, told)
+      ! Its errors stand at the *CURVE
+      if (told%count > 0) call diagnostics%follow()
    end subroutine find_curve
 
    !> Both points; the force of a sliding point acts anywhere along the beam.

@@ -22,7 +22,7 @@ contains
       kind%place = place_on_curve
       kind%needs = 'CURVE'
       allocate (kind%options, source=[option_spec_type('JOINT', 'CURVE', kind_reference, 'CURVE', '', '', &
-         & 'POINT ON CURVE: the curve, around the second point')])
+         & 'POINT ON CURVE: the curve, around the second point', only='TYPE=POINT ON CURVE')])
    end function point_on_curve_kind
 
    !> The functions that its curve relates: both coordinates of the first point in the axes of the curve.

@@ -26,7 +26,7 @@ contains
       kind%clamps = [.true., .false.]
       kind%needs = 'RADIUS'
       allocate (kind%options, source=[option_spec_type('JOINT', 'RADIUS', kind_positive, '', 'm', '', &
-         & 'RACK: radius of the pinion')])
+         & 'RACK: radius of the pinion', only='TYPE=RACK')])
    end function rack_kind
 
    subroutine read(self, block, joint, diagnostics)

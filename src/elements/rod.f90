@@ -23,7 +23,7 @@ contains
       kind%place = place_at_distance
       kind%apart = .true.
       allocate (kind%options, source=[option_spec_type('JOINT', 'LENGTH', kind_positive, '', 'm', '', &
-         & 'ROD: its length; if not given, as guessed')])
+         & 'ROD: its length; if not given, as guessed', only='TYPE=ROD')])
    end function rod_kind
 
    subroutine read(self, block, joint, diagnostics)

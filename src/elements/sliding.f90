@@ -11,7 +11,6 @@ module limber_elements_sliding
 
    type, extends(joint_kind_type) :: sliding_kind_type
    contains
-      procedure :: read
       procedure :: check
       procedure :: describe
    end type sliding_kind_type
@@ -24,15 +23,6 @@ contains
          & //'has at most 24 coordinates: functions of the angle, the strain, one for each place where something acts along it'
       kind%place = place_on_beam
    end function sliding_kind
-
-   subroutine read(self, block, joint, diagnostics)
-      class(sliding_kind_type), intent(in) :: self
-      type(block_type), intent(in) :: block
-      type(joint_type), intent(inout) :: joint
-      type(diagnostics_type), intent(inout) :: diagnostics
-      if (block%given('ANGLE')) call diagnostics%warn(block%origin_of('ANGLE'), 'ANGLE means nothing of a joint of'// &
-         & ' TYPE=SLIDING: its point slides along the beam', 'remove it')
-   end subroutine read
 
    !> The second body must be an undivided flexible beam of few coordinates.
    subroutine check(self, block, model, bodies, diagnostics)

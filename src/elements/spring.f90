@@ -8,7 +8,8 @@ module limber_elements_spring
       & needed, kind_name, kind_word, kind_nonnegative, kind_real, kind_point, kind_spring_law, form_fields
    use limber_model_element, only: element_type
    use limber_model_held_ends, only: hold_type, note_pair
-   use limber_model_load_parts, only: new_part, set_law, append_part, name_load, describe_load, find_pair, check_turning, is_beam
+   use limber_model_load_parts, only: new_part, set_law, append_part, name_load, describe_load, find_pair, check_turning, &
+      & turn_alike, keep_distance
    use limber_model_model, only: model_type, load_part_type, along_angle, along_distance
    use limber_model_points_of_action, only: acting_type, enter_pair
    implicit none
@@ -25,9 +26,10 @@ module limber_elements_spring
       & option_spec_type('SPRING', 'STIFFNESS', kind_nonnegative, '', &
       &    'N/m, N m/rad', '0', 'tension for each unit of extension, torque for each unit of angle'), &
       & option_spec_type('SPRING', 'LENGTH', kind_nonnegative, '', &
-      &    'm', '0', 'TRANSLATIONAL: free length, the distance of the points without tension'), &
+      &    'm', '0', 'TRANSLATIONAL: free length, the distance of the points without tension', only='TYPE=TRANSLATIONAL'), &
       & option_spec_type('SPRING', 'ANGLE', kind_real, '', &
-      &    'rad', '0', 'ROTATIONAL: free angle of the second body less that of the first, turns included'), &
+      &    'rad', '0', 'ROTATIONAL: free angle of the second body less that of the first, turns included', &
+      &    only='TYPE=ROTATIONAL'), &
       & option_spec_type('SPRING', 'DAMPING', kind_nonnegative, '', &
       &    'N s/m, N m s', '0', 'tension for each unit of the speed at which the points part, torque for each unit of spin')]
    !> Fields of its data lines
@@ -66,10 +68,6 @@ contains
       logical :: turning, linear
       associate (block => deck%blocks(index))
          turning = block%word('TYPE') == 'ROTATIONAL'
-         if (turning .and. block%real('LENGTH') > 0.0_wp) call diagnostics%add(block%origin_of('LENGTH'), &
-            & 'LENGTH is of springs of TYPE=TRANSLATIONAL', 'the free angle is ANGLE')
-         if (.not. turning .and. abs(block%real('ANGLE')) > 0.0_wp) call diagnostics%add(block%origin_of('ANGLE'), &
-            & 'ANGLE is of springs of TYPE=ROTATIONAL', 'the free length is LENGTH')
          if (size(block%lines) /= 1) return
          call find_pair(block, model, points, diagnostics)
          if (any(points == 0)) return
@@ -118,21 +116,18 @@ contains
       call note_pair(block, body, new, holds)
    end subroutine hold
 
-   !> Reports a spring between two points of one body that is no beam.
+   !> Reports a spring between two points or sections that nothing moves against each other.
    subroutine check_pair(block, model, points, turning, diagnostics)
       type(block_type), intent(in) :: block
       type(model_type), intent(in) :: model
       integer, intent(in) :: points(2)
       logical, intent(in) :: turning
       type(diagnostics_type), intent(inout) :: diagnostics
-      integer :: bodies(2)
-      bodies = model%points(points)%body
       if (turning) call check_turning(block, model, points, diagnostics)
-      if (bodies(1) /= bodies(2) .or. is_beam(model, bodies(1))) return
       if (turning) then
-         call diagnostics%add(block%lines(1)%origin_of(2), "spring '"//block%name()//"' turns a body against itself", &
-            & 'name points of two different bodies')
-      else
+         if (turn_alike(model, points)) call diagnostics%add(block%lines(1)%origin_of(2), "spring '"//block%name()// &
+            & "' turns a body against itself", 'name points of two different bodies')
+      else if (keep_distance(model, points)) then
          call diagnostics%add(block%lines(1)%origin_of(2), "spring '"//block%name()// &
             & "' pulls at two points whose distance never changes", 'name points of two different bodies')
       end if

@@ -12,9 +12,10 @@ module limber_elements_stop
       & kind_name, kind_reference, kind_real, kind_positive, kind_nonnegative, kind_word, kind_point, form_fields
    use limber_model_contacts, only: append_contact
    use limber_model_element, only: element_type
+   use limber_model_joint_coordinates, only: free_motion
    use limber_model_joint_list, only: find_joint
    use limber_model_load_parts, only: new_part, set_law, append_part, name_load, describe_load, find_pair
-   use limber_model_model, only: model_type, load_part_type, along_angle, along_distance, along_slide, place_on_line
+   use limber_model_model, only: model_type, load_part_type, along_angle, along_distance, along_slide
    use limber_model_points_of_action, only: acting_type, enter_pair, along_joint
    implicit none
    private
@@ -171,6 +172,7 @@ contains
       type(load_part_type), intent(out) :: part
       type(diagnostics_type), intent(inout) :: diagnostics
       integer :: points(2), i
+      logical :: found
       if (block%has('JOINT') .eqv. size(block%lines) == 1) then
          call diagnostics%add(block%origin, "stop '"//block%name()//"' needs JOINT or two points, one of them", &
             & 'add JOINT=, or a data line: first point, second point')
@@ -178,25 +180,34 @@ contains
          i = find_joint(model, block%name('JOINT'))
          if (i == 0) return
          associate (joint => model%joints(i))
-            if (joint%is_hinge()) then
-               part = new_part(along_angle, joint%points(1), joint%points(2))
-            else if (joint%place == place_on_line) then
-               part = new_part(along_slide, joint%points(1), joint%points(2))
-               part%angle = joint%angle
-            else
-               call diagnostics%add(block%origin_of('JOINT'), "there is no stop in joint '"//joint%name//"'", &
-                  & 'it is for joints of the types REVOLUTE, TRANSLATIONAL and POINT ON LINE')
-            end if
+            call free_motion(joint, part, found)
+            if (.not. found) call diagnostics%add(block%origin_of('JOINT'), "there is no stop in joint '"//joint%name//"'", &
+               & 'it is for joints of the types REVOLUTE, TRANSLATIONAL and POINT ON LINE', object=block%name('JOINT'))
          end associate
       else
          call find_pair(block, model, points, diagnostics)
          if (any(points == 0)) return
          part = new_part(merge(along_slide, along_distance, block%given('AXIS')), points(1), points(2))
          if (block%given('AXIS')) part%angle = block%real('AXIS')
+         if (.not. block%given('AXIS')) call check_distance(block, diagnostics)
          if (model%points(points(1))%body == model%points(points(2))%body) call diagnostics%add(block%lines(1)%origin_of(2), &
             & "stop '"//block%name()//"' acts between two points of one body", 'name points of two different bodies')
       end if
    end subroutine find_scalar
+
+   !> Reports limits that a distance is never below.
+   subroutine check_distance(block, diagnostics)
+      type(block_type), intent(in) :: block
+      type(diagnostics_type), intent(inout) :: diagnostics
+      character(*), parameter :: limits(2) = [character(5) :: 'LEAST', 'MOST']
+      integer :: i
+      do i = 1, 2
+         if (.not. block%given(trim(limits(i)))) cycle
+         if (block%real(trim(limits(i))) > 0.0_wp .or. (i == 2 .and. block%real('MOST') >= 0.0_wp)) cycle
+         call diagnostics%add(block%origin_of(trim(limits(i))), "stop '"//block%name()//"': a distance is never below "// &
+            & as_text(block%real(trim(limits(i)))), 'give a length, or AXIS= for a place along a line')
+      end do
+   end subroutine check_distance
 
    !> The limit from which its elongation and its energy are counted: LEAST if there is one, else MOST.
    pure real(wp) function origin(block)

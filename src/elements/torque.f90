@@ -7,8 +7,8 @@ module limber_elements_torque
       & needed, kind_name, kind_reference, kind_point, kind_law, form_fields
    use limber_model_element, only: element_type
    use limber_model_beam_segments, only: find_frame
-   use limber_model_load_parts, only: new_part, set_law, append_part, name_load, section, frame_point
-   use limber_model_model, only: model_type, load_part_type, along_angle
+   use limber_model_load_parts, only: new_part, set_law, append_part, name_load, section, frame_point, turn_alike
+   use limber_model_model, only: model_type, load_part_type, along_angle, ground
    use limber_model_points_of_action, only: acting_type, enter
    implicit none
    private
@@ -75,12 +75,31 @@ contains
             points(2) = section(block, 'REACTION', model, diagnostics)
             if (points(2) == 0) return
          end if
+         call check_effect(block, model, points, diagnostics)
          part = new_part(along_angle, points(1), points(2))
          call set_law(part, block%lines(1)%fields(1)%expression, 1.0_wp)
          call append_part(model, part)
          call name_load(model, block%name(), size(model%load_parts))
       end associate
    end subroutine read
+
+   !> Reports a torque that moves nothing: on the ground, or on two sections that always turn alike.
+   subroutine check_effect(block, model, points, diagnostics)
+      type(block_type), intent(in) :: block
+      type(model_type), intent(in) :: model
+      !> The second is 0 without REACTION
+      integer, intent(in) :: points(2)
+      type(diagnostics_type), intent(inout) :: diagnostics
+      if (points(2) == 0) then
+         if (model%points(points(1))%body == ground) call diagnostics%add(block%origin_of('POINT'), "torque '"//block%name()// &
+            & "' acts on the ground, and moves nothing", 'name a section of a body')
+      else if (turn_alike(model, points)) then
+         call diagnostics%add(block%origin_of('REACTION'), "torque '"//block%name()// &
+            & "' and its reaction act on the same "//trim(merge('body   ', 'section', size(model%points(points(1))%psi) == 0))// &
+            & ', and move nothing', &
+            & 'name another body, or leave REACTION out: then the ground bears it')
+      end if
+   end subroutine check_effect
 
    !> Its sections, or the origin of its body.
    subroutine act(self, deck, block, body, points)

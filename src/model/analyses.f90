@@ -86,6 +86,8 @@ contains
          select case (step%kind)
          case (step_dynamics)
             call read_dynamics(block, step%dynamics, diagnostics)
+            if (block%given('VELOCITIES') .and. size(steps) == 1) call diagnostics%add(block%origin_of('VELOCITIES'), &
+               & 'VELOCITIES means nothing in the first analysis', 'leave it out: bodies begin with their VX, VY and SPIN')
             select case (block%word('VELOCITIES'))
             case ('REST'); step%velocities = velocities_none
             case ('DECK'); step%velocities = velocities_of_deck
@@ -177,7 +179,38 @@ contains
       if (dynamics%tolerance > 0.1_wp .or. dynamics%tolerance < 1.0e-13_wp) call diagnostics%add( &
          & block%origin_of('TOLERANCE'), 'TOLERANCE='//as_text(dynamics%tolerance)//' cannot be kept', &
          & 'give a value between 1e-13 and 0.1')
+      if (dynamics%end > dynamics%start) call check_steps(block, dynamics, diagnostics)
    end subroutine read_dynamics
+
+   !> Reports steps that do not fit each other or the analysis.
+   subroutine check_steps(block, dynamics, diagnostics)
+      type(block_type), intent(in) :: block
+      type(dynamics_type), intent(in) :: dynamics
+      type(diagnostics_type), intent(inout) :: diagnostics
+      character(*), parameter :: limits(2) = [character(12) :: 'INITIAL STEP', 'MAXIMUM STEP']
+      character(:), allocatable :: span
+      real(wp) :: longest
+      integer :: i
+      ! Round-off of computed steps
+      longest = (dynamics%end - dynamics%start)*(1 + 1.0e-9_wp)
+      span = 'from START='//as_text(dynamics%start)//' to END='//as_text(dynamics%end)
+      if (block%given('FIXED STEP')) then
+         if (dynamics%fixed_step > longest) call diagnostics%add(block%origin_of('FIXED STEP'), 'FIXED STEP='// &
+            & as_text(dynamics%fixed_step)//' is longer than the analysis, '//span, 'give a shorter step')
+         if (longest > 1.001_wp*dynamics%fixed_step*dynamics%maximum_steps) call diagnostics%add( &
+            & block%origin_of('MAXIMUM STEPS'), as_text(dynamics%maximum_steps)//' steps of '//as_text(dynamics%fixed_step)// &
+            & ' do not reach END='//as_text(dynamics%end), 'give more MAXIMUM STEPS, or a longer FIXED STEP')
+         return
+      end if
+      if (block%given('INITIAL STEP') .and. block%given('MAXIMUM STEP') .and. &
+         & dynamics%initial_step > dynamics%maximum_step) call diagnostics%add(block%origin_of('INITIAL STEP'), 'INITIAL STEP='// &
+         & as_text(dynamics%initial_step)//' is longer than MAXIMUM STEP='//as_text(dynamics%maximum_step), 'give a shorter one')
+      do i = 1, size(limits)
+         if (.not. block%given(limits(i))) cycle
+         if (block%real(limits(i)) > longest) call diagnostics%warn(block%origin_of(limits(i)), limits(i)//'='// &
+            & as_text(block%real(limits(i)))//' is longer than the analysis, '//span, 'give a shorter one, or leave it out')
+      end do
+   end subroutine check_steps
 
    !> Keyword and name of an analysis, for messages.
    pure function title(step) result(text)

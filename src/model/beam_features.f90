@@ -92,6 +92,7 @@ contains
          call multiply(deck, material, from, to, block%yes('SHEAR'), body%fibres, choice%profile)
          call use_mean(body)
          call warn_of_arc(deck, block, from, body%fibres, diagnostics)
+         call check_free_shape(block, body, diagnostics)
       end associate
 
    contains
@@ -106,6 +107,44 @@ contains
       end subroutine need_strain
 
    end subroutine read_features
+
+   !> Reports heat and tensions that no beam bears: without loads it would have no length, or another one altogether, or be bent
+   !> over its own fibres.
+   subroutine check_free_shape(block, body, diagnostics)
+      type(block_type), intent(in) :: block
+      type(body_type), intent(in) :: body
+      type(diagnostics_type), intent(inout) :: diagnostics
+      character(:), allocatable :: option
+      real(wp) :: ea, strain, arc, reach
+      integer :: i, j
+      associate (choice => body%choice%exact)
+         ea = minval(choice%profile%value(of_ea, :, :))
+         ! Of a section or material in error there is nothing to say
+         if (.not. ea > 0.0_wp) return
+         strain = choice%hot_strain - choice%pretension/ea
+         option = trim(merge('THERMAL STRAIN', 'PRETENSION    ', abs(choice%hot_strain) >= abs(choice%pretension/ea)))
+         if (abs(strain) >= 1.0_wp) call diagnostics%add(block%origin_of(option), "beam '"//block%name()// &
+            & trim(merge("' has no length without loads: its strain there is  ", &
+            & "' has twice its LENGTH without loads: its strain is ", strain < 0.0_wp))//' '//as_text(strain, 3), &
+            & 'THERMAL STRAIN less PRETENSION/(E A) must be above -1 and below 1')
+         if (block%has('TENSION')) then
+            if (block%real('TENSION') > ea) call diagnostics%add(block%origin_of('TENSION'), "beam '"//block%name()// &
+               & "': TENSION="//as_text(block%real('TENSION'))//' is more than its axial stiffness E A = '//as_text(ea, 3), &
+               & 'give the largest tension that is expected')
+         end if
+         if (.not. abs(choice%hot_curvature) > 0.0_wp) return
+         arc = choice%arc + choice%hot_curvature
+         reach = 0.0_wp
+         do i = 1, size(body%fibres%value, 3)
+            do j = 1, profile_places
+               reach = max(reach, inner_reach(arc, body%fibres%value(3:4, j, i)))
+            end do
+         end do
+         if (reach >= 1.0_wp) call diagnostics%add(block%origin_of('THERMAL CURVATURE'), "a section of beam '"//block%name()// &
+            & "' reaches over the centre of its curvature without loads", 'CURVATURE and THERMAL CURVATURE together below '// &
+            & as_text(abs(arc)/reach, 3))
+      end associate
+   end subroutine check_free_shape
 
    !> Reads the stretches of a beam: their ends into `fibres%at`, and the sections (blocks) at both ends of each (stretches).
    subroutine read_stretches(deck, index, section, length, from, to, fibres, diagnostics)

@@ -86,7 +86,7 @@ contains
       logical :: usable
       integer :: twin, added
       body = new_body(deck%blocks(index), body_flexible)
-      if (piece == 1) call check_options(deck%blocks(index), diagnostics)
+      if (piece == 1) call check_options(deck, index, diagnostics)
       call read_beam(deck, index, piece, pieces, body, rigid, diagnostics, usable)
       if (usable .and. deck%blocks(index)%word('GEOMETRIC') /= 'RIGID') then
          twin = find_twin(model, body)

@@ -21,6 +21,10 @@ contains
       integer :: body, pieces(2), before
       body = find_body(model, block%name('BODY'))
       if (body == 0) return
+      if (size(block%lines) == 0 .and. .not. (block%given('RATIO') .or. block%given('RAYLEIGH ALPHA') .or. &
+         & block%given('RAYLEIGH BETA'))) call diagnostics%add(block%origin, '*DAMPING gives no damping', &
+         & 'add RATIO=, RAYLEIGH ALPHA= or RAYLEIGH BETA=, or data lines: mode, ratio')
+      call warn_of_ratios(block, diagnostics)
       pieces = pieces_of(model, body)
       before = diagnostics%count
       do body = pieces(1), pieces(2)
@@ -28,6 +32,20 @@ contains
          if (diagnostics%count > before) return
       end do
    end subroutine add_damping
+
+   !> Warns of modes that are damped more than critically: per cent may be meant.
+   subroutine warn_of_ratios(block, diagnostics)
+      type(block_type), intent(in) :: block
+      type(diagnostics_type), intent(inout) :: diagnostics
+      character(*), parameter :: remedy = 'RATIO is a part, not per cent: 2 % is 0.02'
+      integer :: i
+      if (block%real('RATIO') > 1.0_wp) call diagnostics%warn(block%origin_of('RATIO'), 'a damping ratio of '// &
+         & as_text(block%real('RATIO'))//' is above critical: these modes do not vibrate', remedy)
+      do i = 1, size(block%lines)
+         if (block%lines(i)%number(2) > 1.0_wp) call diagnostics%warn(block%lines(i)%origin_of(2), 'a damping ratio of '// &
+            & as_text(block%lines(i)%number(2))//' is above critical: this mode does not vibrate', remedy)
+      end do
+   end subroutine warn_of_ratios
 
    !> Adds the damping of the modes of a body, eq. (3.39).
    subroutine damp(block, body, before, model, diagnostics)

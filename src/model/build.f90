@@ -9,7 +9,7 @@ module limber_model_build
    use limber_model_analyses, only: add_analyses
    use limber_model_beams, only: add_beam
    use limber_model_bodies, only: add_rigid_body, add_point_mass, add_points
-   use limber_model_requested_channels, only: add_channels, flexible_instead
+   use limber_model_requested_channels, only: add_channels, check_expressions, check_studied, flexible_instead
    use limber_model_first_state, only: read_assembly
    use limber_model_frames, only: add_frame
    use limber_model_gravity, only: read_gravity, warn_of_degrees
@@ -19,14 +19,16 @@ module limber_model_build
    use limber_model_event_checks, only: check_events
    use limber_model_element, only: elements, find_element
    use limber_model_contacts, only: add_touches, check_contacts
+   use limber_model_curve_block, only: check_curve
    use limber_model_control_checks, only: check_controls
    use limber_model_control_laws, only: insert_outputs
    use limber_model_load_laws, only: resolve_laws
-   use limber_model_body_parts, only: check_parts
+   use limber_model_body_parts, only: check_parts, refuse_incomplete
    use limber_model_points, only: add_point, find_body
    use limber_model_ramps, only: warn_of_ramp
    use limber_model_run_scalars, only: add_scalars
    use limber_model_model, only: model_type, body_flexible, ground
+   use limber_model_sections, only: check_material, check_section
    use limber_model_short_beams, only: warn_of_short
    use limber_model_switches, only: set_switch
    use limber_model_beam_segments, only: pieces_of
@@ -46,6 +48,7 @@ contains
       !> Modal reductions of earlier models, for reuse; new ones are added
       type(library_type), intent(inout), optional :: library
       type(deck_type) :: expanded
+      call refuse_incomplete(deck, diagnostics)
       if (has_large_frames(deck)) then
          expanded = deck
          call expand_frames(expanded, diagnostics)
@@ -77,6 +80,9 @@ contains
          before = diagnostics%count
          select case (deck%blocks(i)%keyword)
          case ('GROUND'); call add_points(deck%blocks(i), 'ground', ground, model, diagnostics)
+         case ('MATERIAL'); call check_material(deck%blocks(i), diagnostics)
+         case ('SECTION'); call check_section(deck%blocks(i), diagnostics)
+         case ('CURVE'); call check_curve(deck%blocks(i), diagnostics)
          case ('GRAVITY'); call read_gravity(deck, i, model, diagnostics)
          case ('RIGID BODY'); call add_rigid_body(deck%blocks(i), model, diagnostics)
          case ('POINT MASS'); call add_point_mass(deck%blocks(i), model)
@@ -122,6 +128,13 @@ contains
          if (deck%blocks(i)%broken) cycle
          if (deck%blocks(i)%keyword == 'OUTPUT') call want_envelope(deck%blocks(i), model, diagnostics)
          if (deck%blocks(i)%keyword == 'SCALAR' .and. whole) call add_scalars(deck%blocks(i), model, diagnostics)
+      end do
+      do i = 1, size(deck%blocks)
+         if (deck%blocks(i)%broken) cycle
+         if (deck%blocks(i)%keyword == 'STUDY' .and. whole) call check_studied(deck%blocks(i), model, diagnostics)
+         ! Errors of those that are in use stand where they are used
+         if (deck%blocks(i)%keyword == 'EXPRESSION' .and. diagnostics%count == 0) call check_expressions(deck%blocks(i), model, &
+            & diagnostics)
       end do
       if (diagnostics%count == 0) call add_recoveries(model, diagnostics)
       if (diagnostics%count == 0) call warn_of_ramp(deck, model, diagnostics)
@@ -183,6 +196,8 @@ contains
       real(wp), parameter :: largest = 0.1_wp, smallest = 1.0e-9_wp
       model%accuracy%estimate = block%yes('ESTIMATE')
       model%accuracy%target = block%real('TARGET')
+      if (.not. (block%given('ESTIMATE') .or. block%given('TARGET'))) call diagnostics%warn(block%origin, &
+         & '*ACCURACY asks for nothing', 'add ESTIMATE=YES, or TARGET=')
       if (.not. block%has('TARGET')) return
       if (model%accuracy%target > largest .or. model%accuracy%target < smallest) call diagnostics%add( &
          & block%origin_of('TARGET'), 'no error that can be aimed at', 'give a relative error from 1e-9 to 0.1')

@@ -3,7 +3,7 @@
 !> 5.21.
 module limber_model_control_laws
    use limber_base_kinds, only: wp
-   use limber_base_text, only: as_text, nearest_name
+   use limber_base_text, only: as_text, suggestion
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_expression, only: expression_type
    use limber_deck_origin, only: origin_type
@@ -198,15 +198,12 @@ contains
       type(origin_type), intent(in) :: origin
       type(diagnostics_type), intent(inout) :: diagnostics
       character(64) :: names(size(model%controls))
-      character(:), allocatable :: label
-      integer :: i, near
+      integer :: i
       do i = 1, size(names)
          names(i) = model%controls(i)%name
       end do
-      label = 'define it with *CONTROL'
-      near = nearest_name(name, names)
-      if (near > 0) label = "did you mean '"//trim(names(near))//"'?"
-      call diagnostics%add(origin, "there is no control '"//name//"'", label, object=name)
+      call diagnostics%add(origin, "there is no control '"//name//"'", suggestion(name, names, 'define it with *CONTROL'), &
+         & object=name)
    end subroutine complain_control
 
    !> Adds the events at which a hysteresis turns on and off.

@@ -1,6 +1,7 @@
 !> Events beside the analyses of the deck: what cannot be, and what has no effect. Floor: model.
 module limber_model_event_checks
    use limber_base_kinds, only: wp
+   use limber_base_text, only: as_text
    use limber_deck_content, only: deck_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_model_analyses, only: single_dynamics
@@ -39,6 +40,10 @@ contains
             else if (event%action == event_end_step .and. single_dynamics(model)) then
                call diagnostics%warn(deck%blocks(block)%origin_of('ACTION'), "event '"//event%name//"' ends the only analysis", &
                   & 'ACTION=STOP means the same here')
+            else if (event%after >= maxval(model%steps%dynamics%end, model%steps%kind == step_dynamics)) then
+               call diagnostics%warn(deck%blocks(block)%origin_of('AFTER'), "event '"//event%name// &
+                  & "' counts no crossing: AFTER is not before the end of the last *DYNAMICS, t = "// &
+                  & as_text(maxval(model%steps%dynamics%end, model%steps%kind == step_dynamics)), 'give an earlier time')
             end if
          end associate
       end do

@@ -29,6 +29,9 @@ contains
             & 'write INITIAL DEFLECTIONS=GIVEN')
          return
       end if
+      if (size(block%lines) == 0 .and. block%word('INITIAL DEFLECTIONS') == 'GIVEN') call diagnostics%add( &
+         & block%origin_of('INITIAL DEFLECTIONS'), 'INITIAL DEFLECTIONS=GIVEN, but no deflection is given', &
+         & 'add data lines: beam, coordinate, value, rate')
       do i = 1, size(block%lines)
          associate (line => block%lines(i))
             deflection%body = find_body(model, line%text(1))

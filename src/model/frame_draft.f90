@@ -1,7 +1,8 @@
 !> Frames as described by the deck: nodes, elements, sets, supports. Floor: model.
 module limber_model_frame_draft
    use limber_base_kinds, only: wp
-   use limber_base_text, only: as_text, lowercase
+   use limber_base_text, only: as_text, lowercase, suggestion
+   use limber_base_names, only: name_index_type
    use limber_deck_content, only: deck_type, block_type, line_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_origin, only: origin_type
@@ -15,6 +16,9 @@ module limber_model_frame_draft
    !> Default number of finite elements of a member: most and least; of all members together. With 8 elements the lumped masses
    !> shift the frequencies of higher modes: after a sudden load, a moment was wrong by a sixth after thirty periods.
    integer, parameter :: most_divisions = 32, least_divisions = 8, elements_in_all = 256
+
+   !> Number of the last degree of freedom of a node
+   integer, parameter :: most_freedoms = 6
 
    !> A node or member in a set
    type :: draft_set_type
@@ -41,6 +45,8 @@ module limber_model_frame_draft
       type(draft_set_type), allocatable :: node_sets(:), member_sets(:)
       !> Static functions: node and degree of freedom, 1 to 3 (2, number)
       integer, allocatable :: attachments(:, :)
+      !> Whether errors leave it open which nodes there are, which members, and which sections these have
+      logical :: open_nodes = .false., open_members = .false., open_sections = .false.
    end type draft_type
 
 contains
@@ -52,22 +58,26 @@ contains
       integer, intent(in) :: frame
       type(draft_type), intent(out) :: draft
       type(diagnostics_type), intent(inout) :: diagnostics
-      integer :: i
+      integer :: i, before
       call start_draft(deck, frame, draft)
+      before = diagnostics%count
       do i = 1, size(deck%blocks)
          if (.not. is_part(deck, i, frame)) cycle
          if (deck%blocks(i)%keyword == 'NODE') call read_nodes(deck%blocks(i), draft, diagnostics)
       end do
+      call check_point_names(deck, frame, diagnostics)
+      draft%open_nodes = diagnostics%count > before
       do i = 1, size(deck%blocks)
          if (.not. is_part(deck, i, frame)) cycle
          if (deck%blocks(i)%keyword == 'ELEMENT') call read_members(deck, deck%blocks(frame), deck%blocks(i), draft, diagnostics)
       end do
+      draft%open_members = diagnostics%count > before
       do i = 1, size(deck%blocks)
          if (.not. is_part(deck, i, frame)) cycle
          if (deck%blocks(i)%keyword == 'NSET') &
-            & call read_set(deck%blocks(i), 'NSET', 'node', draft%node, draft%node_sets, diagnostics)
+            & call read_set(deck%blocks(i), 'NSET', 'node', draft%node, draft%node_sets, draft%open_nodes, diagnostics)
          if (deck%blocks(i)%keyword == 'ELSET') &
-            & call read_set(deck%blocks(i), 'ELSET', 'member', draft%number, draft%member_sets, diagnostics)
+            & call read_set(deck%blocks(i), 'ELSET', 'member', draft%number, draft%member_sets, draft%open_members, diagnostics)
       end do
       do i = 1, size(deck%blocks)
          if (.not. is_part(deck, i, frame)) cycle
@@ -144,7 +154,7 @@ contains
                cycle
             end if
             do k = 1, 2
-               ends(k) = known(draft%node, line, 1 + k, 'node', diagnostics)
+               ends(k) = known(draft%node, line, 1 + k, 'node', draft%open_nodes, diagnostics)
             end do
             if (any(ends == 0)) cycle
             if (.not. norm2(draft%place(:, ends(1)) - draft%place(:, ends(2))) > 0.0_wp) then
@@ -164,13 +174,70 @@ contains
             draft%section(n) = named(deck, frame, block, 'SECTION')
             if (line%count() > 3) then
                draft%section(n) = deck%find_named('SECTION', line%text(4))
+               draft%open_sections = draft%open_sections .or. draft%section(n) == 0
                if (draft%section(n) == 0) call diagnostics%add(line%origin_of(4), "there is no *SECTION named '"// &
-                  & line%text(4)//"'", 'define it with *SECTION')
+                  & line%text(4)//"'", section_remedy(deck, line%text(4)), object=line%text(4))
             end if
             if (block%has('ELSET')) call join_set(draft%member_sets, block%text('ELSET'), n)
          end associate
       end do
    end subroutine read_members
+
+   !> Remedy for an unknown section.
+   function section_remedy(deck, name) result(text)
+      type(deck_type), intent(in) :: deck
+      character(*), intent(in) :: name
+      character(:), allocatable :: text
+      character(64) :: names(size(deck%blocks))
+      integer :: i
+      names = ''
+      do i = 1, size(deck%blocks)
+         if (deck%blocks(i)%keyword == 'SECTION') names(i) = deck%blocks(i)%name()
+      end do
+      text = suggestion(name, names, 'define it with *SECTION')
+   end function section_remedy
+
+   !> Reports names that two points of a frame have.
+   subroutine check_point_names(deck, frame, diagnostics)
+      type(deck_type), intent(in) :: deck
+      !> Index of the block of the frame
+      integer, intent(in) :: frame
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(name_index_type) :: names
+      type(origin_type), allocatable :: origins(:)
+      integer :: i, k, field, count
+      allocate (origins(sum([(size(deck%blocks(i)%lines), i=1, size(deck%blocks))])))
+      count = 0
+      do i = 1, size(deck%blocks)
+         field = 0
+         if (i == frame) field = 1
+         if (deck%blocks(i)%keyword == 'NODE') field = merge(4, 0, is_part(deck, i, frame))
+         if (field == 0) cycle
+         do k = 1, size(deck%blocks(i)%lines)
+            if (deck%blocks(i)%lines(k)%count() < field) cycle
+            call claim(deck%blocks(i)%lines(k))
+         end do
+      end do
+
+   contains
+
+      !> Takes the name that a line gives a point.
+      subroutine claim(line)
+         type(line_type), intent(in) :: line
+         integer :: first
+         first = names%find(line%text(field))
+         if (first > 0) then
+            call diagnostics%add(line%origin_of(field), "the name '"//line%text(field)//"' is used twice among the points of "// &
+               & deck%blocks(frame)%name(), 'give it another name; capitals are not distinguished', origins(first), &
+               & 'first defined here')
+            return
+         end if
+         count = count + 1
+         origins(count) = line%origin_of(field)
+         call names%add(line%text(field), count)
+      end subroutine claim
+
+   end subroutine check_point_names
 
    !> Block of the material or section of a block of members, else of the frame; 0 if none.
    integer function named(deck, frame, block, keyword)
@@ -183,17 +250,19 @@ contains
    end function named
 
    !> Reads a set of nodes or members.
-   subroutine read_set(block, keyword, kind, numbers, sets, diagnostics)
+   subroutine read_set(block, keyword, kind, numbers, sets, open, diagnostics)
       type(block_type), intent(in) :: block
       character(*), intent(in) :: keyword, kind
       !> Numbers of all nodes or members
       integer, intent(in) :: numbers(:)
       type(draft_set_type), allocatable, intent(inout) :: sets(:)
+      !> Whether some of these numbers are in error
+      logical, intent(in) :: open
       type(diagnostics_type), intent(inout) :: diagnostics
       integer :: i, k, item
       do i = 1, size(block%lines)
          do k = 1, block%lines(i)%count()
-            item = known(numbers, block%lines(i), k, kind, diagnostics)
+            item = known(numbers, block%lines(i), k, kind, open, diagnostics)
             if (item > 0) call join_set(sets, block%text(keyword), item)
          end do
       end do
@@ -214,8 +283,14 @@ contains
          draft%section(draft%member_sets(i)%item) = deck%find_named('SECTION', block%name('SECTION'))
          if (block%has('MATERIAL')) draft%material(draft%member_sets(i)%item) = deck%find_named('MATERIAL', block%name('MATERIAL'))
       end do
-      if (.not. found) call diagnostics%add(block%origin_of('ELSET'), "there is no set of members '"//block%text('ELSET')//"'", &
-         & listed_sets(draft%member_sets))
+      if (found) return
+      draft%open_sections = .true.
+      if (draft%open_members) then
+         call diagnostics%follow()
+      else
+         call diagnostics%add(block%origin_of('ELSET'), "there is no set of members '"//block%text('ELSET')//"'", &
+            & listed_sets(draft%member_sets, block%text('ELSET')))
+      end if
    end subroutine read_beam_section
 
    !> Reads the fixed degrees of freedom of nodes.
@@ -231,6 +306,11 @@ contains
             first = nint(line%number(2))
             last = first
             if (line%count() > 2) last = nint(line%number(3))
+            if (line%count() > 2 .and. last > most_freedoms) then
+               call diagnostics%add(line%origin_of(3), 'a node has no degree of freedom '//as_text(last), &
+                  & 'give 6 at most: 1 (x), 2 (y), 6 (rotation)')
+               cycle
+            end if
             if (.not. any(freedoms(first, last))) then
                call diagnostics%add(line%origin_of(2), 'a node in the plane has the degrees of freedom 1 (x), 2 (y) and 6 '// &
                   & '(rotation); nothing is held here', 'give 1, 2 or 6, or a first and a last one')
@@ -301,7 +381,7 @@ contains
       type(diagnostics_type), intent(inout) :: diagnostics
       integer :: i
       if (line%text(1) == '') then
-         i = known(draft%node, line, 1, 'node', diagnostics)
+         i = known(draft%node, line, 1, 'node', draft%open_nodes, diagnostics)
          allocate (nodes(merge(1, 0, i > 0)))
          nodes = i
          return
@@ -310,13 +390,20 @@ contains
       do i = 1, size(draft%node_sets)
          if (draft%node_sets(i)%name == line%text(1)) nodes = [nodes, draft%node_sets(i)%item]
       end do
-      if (size(nodes) == 0) call diagnostics%add(line%origin_of(1), "there is no set of nodes '"//line%text(1)//"'", &
-         & listed_sets(draft%node_sets))
+      if (size(nodes) > 0) return
+      if (draft%open_nodes) then
+         call diagnostics%follow()
+      else
+         call diagnostics%add(line%origin_of(1), "there is no set of nodes '"//line%text(1)//"'", &
+            & listed_sets(draft%node_sets, line%text(1)))
+      end if
    end subroutine labelled
 
-   !> Names of existing sets, for a message.
-   pure function listed_sets(sets) result(text)
+   !> The nearest name of existing sets, else all of them, for a message.
+   pure function listed_sets(sets, name) result(text)
       type(draft_set_type), intent(in) :: sets(:)
+      !> What the deck names
+      character(*), intent(in) :: name
       character(:), allocatable :: text
       integer :: i
       text = 'this frame has no sets; make one with *NSET or *ELSET'
@@ -325,18 +412,23 @@ contains
          if (i == 1) text = 'valid: '//trim(sets(i)%name)
          if (i > 1) text = text//', '//trim(sets(i)%name)
       end do
+      text = suggestion(name, sets%name, text)
    end function listed_sets
 
    !> Index of a number in the list; 0 and an error if it is not there.
-   integer function known(numbers, line, i, kind, diagnostics)
+   integer function known(numbers, line, i, kind, open, diagnostics)
       integer, intent(in) :: numbers(:)
       type(line_type), intent(in) :: line
       !> Field of the line
       integer, intent(in) :: i
       character(*), intent(in) :: kind
+      !> Whether some of the numbers are in error: a missing one follows from that
+      logical, intent(in) :: open
       type(diagnostics_type), intent(inout) :: diagnostics
       known = place_of(numbers, nint(line%number(i)))
-      if (known == 0) call diagnostics%add(line%origin_of(i), 'this frame has no '//kind//' '//as_text(line%number(i)), &
+      if (known > 0) return
+      if (open) call diagnostics%follow()
+      if (.not. open) call diagnostics%add(line%origin_of(i), 'this frame has no '//kind//' '//as_text(line%number(i)), &
          & 'define it first')
    end function known
 
@@ -370,12 +462,15 @@ contains
       type(draft_type), intent(inout) :: draft
       type(diagnostics_type), intent(inout) :: diagnostics
       integer :: m
-      if (size(draft%number) == 0) call diagnostics%add(frame%origin, "frame '"//frame%name()//"' has no members", &
-         & 'add *NODE and *ELEMENT below it')
+      if (size(draft%number) == 0 .and. .not. draft%open_members) call diagnostics%add(frame%origin, "frame '"// &
+         & frame%name()//"' has no members", 'add *NODE and *ELEMENT below it')
       do m = 1, size(draft%number)
          if (draft%material(m) == 0 .or. draft%section(m) == 0) then
-            call diagnostics%add(draft%member_origin(m), 'member '//as_text(draft%number(m))//' has no '// &
-               & trim(merge('material', 'section ', draft%material(m) == 0)), 'name one at *FRAME, *ELEMENT or *BEAM SECTION')
+            ! The first stands for all
+            if (.not. draft%open_sections) call diagnostics%add(draft%member_origin(m), 'member '//as_text(draft%number(m))// &
+               & ' has no '//trim(merge('material', 'section ', draft%material(m) == 0)), &
+               & 'name one at *FRAME, *ELEMENT or *BEAM SECTION')
+            draft%open_sections = .true.
             cycle
          end if
          call read_section(deck%blocks(draft%section(m)), draft%strength(:, m), diagnostics)

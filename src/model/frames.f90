@@ -13,6 +13,7 @@ module limber_model_frames
    use limber_beam_beam_reduction, only: fidelity_linear, fidelity_kg
    use limber_model_element_effects, only: acting_points
    use limber_model_points_of_action, only: acting_type
+   use limber_model_beam_options, only: warn_of_rigid
    use limber_model_bodies, only: new_body, append_body, is_new_point, warn_of_rounding
    use limber_model_frame_draft, only: draft_type, read_draft, member_of, node_named
    use limber_model_body_parts, only: is_part
@@ -47,10 +48,11 @@ contains
       body = new_body(deck%blocks(index), body_flexible)
       body%is_frame = .true.
       call read_draft(deck, index, draft, diagnostics)
+      if (diagnostics%count > before) return
+      if (deck%blocks(index)%word('GEOMETRIC') == 'RIGID') call warn_of_rigid(deck, index, diagnostics)
       call settle_options(deck, index, draft)
+      call mesh(deck, index, draft, body, diagnostics)
       usable = diagnostics%count == before
-      if (usable) call mesh(deck, index, draft, body, diagnostics)
-      usable = usable .and. diagnostics%count == before
       cut = .false.
       ! An error of a material or section is told there
       sound = usable
@@ -152,11 +154,13 @@ contains
          body%mesh%mass(3, i) = body%mesh%mass(3, i) + draft%inertia(i)
       end do
       allocate (connected, source=connected_nodes(body%mesh))
-      do i = 1, size(draft%node)
-         if (.not. connected(i)) call diagnostics%add(draft%node_origin(i), 'node '//as_text(draft%node(i))// &
-            & ' is not joined to node '//as_text(draft%node(1))//' by members', 'a frame must hang together')
-      end do
-      if (any(.not. connected)) return
+      ! One missing member may leave several nodes alone: the first stands for all
+      i = findloc(connected(:size(draft%node)), .false., dim=1)
+      if (i > 0) then
+         call diagnostics%add(draft%node_origin(i), 'node '//as_text(draft%node(i))//' is not joined to node '// &
+            & as_text(draft%node(1))//' by members', 'a frame must hang together')
+         return
+      end if
       associate (choice => body%frame_choice, block => deck%blocks(index))
          choice%modes = block%integer('MODES')
          choice%frequency_limit = block%real('FREQUENCY LIMIT')
@@ -226,11 +230,15 @@ contains
       integer :: i, node
       member = 0
       x = 0.0_wp
+      found = .false.
       node = node_named(deck, index, draft, name)
       if (node > 0) then
          do member = 1, size(draft%members)
             if (any(draft%members(member)%ends == node)) exit
          end do
+         ! A node on no member is an error, told later
+         if (member > size(draft%members)) member = 0
+         if (member == 0) return
          if (draft%members(member)%ends(2) == node) x = length_of(member)
       else
          associate (lines => deck%blocks(index)%lines)
@@ -306,7 +314,8 @@ contains
          do i = 1, size(block%lines)
             associate (line => block%lines(i), member => member_of(draft, nint(block%lines(i)%number(2))))
                if (member == 0) then
-                  call diagnostics%add(line%origin_of(2), 'this frame has no member '//as_text(nint(line%number(2))))
+                  call diagnostics%add(line%origin_of(2), 'this frame has no member '//as_text(nint(line%number(2))), &
+                     & 'members have the numbers that *ELEMENT gives')
                   cycle
                end if
                length = norm2(draft%place(:, draft%members(member)%ends(2)) - draft%place(:, draft%members(member)%ends(1)))

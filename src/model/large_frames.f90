@@ -54,22 +54,19 @@ contains
       type(deck_type) :: patterns
       type(diagnostics_type) :: none
       type(draft_type) :: draft
-      integer :: i, k, before, m
+      integer :: i, before, m
       call read_deck_text('', pattern, patterns, none)
       do i = 1, size(deck%blocks)
          if (.not. is_large(deck%blocks(i)) .or. deck%blocks(i)%broken) cycle
          before = diagnostics%count
          call read_draft(deck, i, draft, diagnostics)
          call check_frame(deck, i, draft, diagnostics)
-         if (diagnostics%count > before) call diagnostics%tell(deck%blocks(i)%name())
-         if (diagnostics%count > before) cycle
-         do k = 1, size(options_of_frame_modes)
-            associate (block => deck%blocks(i))
-               if (.not. block%given(trim(options_of_frame_modes(k)))) cycle
-               call diagnostics%warn(block%origin_of(trim(options_of_frame_modes(k))), "frame '"//block%name()//"': "// &
-                  & trim(options_of_frame_modes(k))//' means nothing with LARGE=YES', 'leave it out')
-            end associate
-         end do
+         if (diagnostics%count > before) then
+            deck%blocks(i)%broken = .true.
+            call diagnostics%tell(deck%blocks(i)%name())
+            cycle
+         end if
+         call warn_of_modes(deck, i, diagnostics)
          do m = 1, size(draft%number)
             call write_member(deck, i, draft, m, patterns)
          end do
@@ -77,6 +74,42 @@ contains
       end do
       call deck%index_names()
    end subroutine expand_frames
+
+   !> Warns of what is for frames with modes only.
+   subroutine warn_of_modes(deck, index, diagnostics)
+      type(deck_type), intent(in) :: deck
+      !> Block of the frame
+      integer, intent(in) :: index
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: i
+      do i = 1, size(options_of_frame_modes)
+         call look(deck%blocks(index), trim(options_of_frame_modes(i)))
+      end do
+      do i = 1, size(deck%blocks)
+         if (.not. is_part(deck, i, index)) cycle
+         select case (deck%blocks(i)%keyword)
+         case ('ELEMENT'); call look(deck%blocks(i), 'DIVISIONS')
+         case ('ATTACHMENT', 'BOUNDARY'); call warn(deck%blocks(i)%origin, '*'//deck%blocks(i)%keyword)
+         end select
+      end do
+
+   contains
+
+      !> Warns of an option if it is given.
+      subroutine look(block, option)
+         type(block_type), intent(in) :: block
+         character(*), intent(in) :: option
+         if (block%given(option)) call warn(block%origin_of(option), option)
+      end subroutine look
+
+      subroutine warn(origin, what)
+         type(origin_type), intent(in) :: origin
+         character(*), intent(in) :: what
+         call diagnostics%warn(origin, "frame '"//deck%blocks(index)%name()//"': "//what//' means nothing with LARGE=YES', &
+            & 'leave it out')
+      end subroutine warn
+
+   end subroutine warn_of_modes
 
    !> Reports a *BOUNDARY on a large frame, and points beside its members.
    subroutine check_frame(deck, index, draft, diagnostics)
@@ -98,7 +131,8 @@ contains
          associate (point => deck%blocks(index)%lines(i))
             m = member_of(draft, nint(point%number(2)))
             if (m == 0) then
-               call diagnostics%add(point%origin_of(2), 'this frame has no member '//as_text(nint(point%number(2))))
+               call diagnostics%add(point%origin_of(2), 'this frame has no member '//as_text(nint(point%number(2))), &
+                  & 'members have the numbers that *ELEMENT gives')
                cycle
             end if
             length = norm2(draft%place(:, draft%members(m)%ends(2)) - draft%place(:, draft%members(m)%ends(1)))

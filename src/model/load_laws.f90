@@ -6,6 +6,7 @@ module limber_model_load_laws
    use limber_deck_expression, only: expression_type
    use limber_deck_origin, only: origin_type
    use limber_model_beam_segments, only: pieces_of, has_frame
+   use limber_model_joint_coordinates, only: check_joint_quantity
    use limber_model_model, only: model_type, quantity_type, place_on_beam, own_elongation, own_rate, most_slots
    use limber_model_quantities, only: quantities, quantity_x, quantity_y, quantity_vx, quantity_vy, quantity_angle, &
       & quantity_spin, quantity_u1, quantity_u2, quantity_elongation, quantity_rate, quantity_joint_angle, &
@@ -65,6 +66,7 @@ contains
             else
                call find_quantity(what, model, quantity, diagnostics)
                if (quantity%of > 0) call check_quantity(quantity%kind, owner, what%origin, diagnostics)
+               if (quantity%of > 0) call check_joint_quantity(model, quantity, what%origin, diagnostics)
                if (quantity%of > 0) call check_frame(model, quantity, owner, what%origin, diagnostics)
             end if
          end associate

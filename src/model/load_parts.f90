@@ -12,7 +12,7 @@ module limber_model_load_parts
    implicit none
    private
    public :: new_part, set_law, constant, is_zero, append_part, name_load, describe_load
-   public :: find_pair, check_turning, need_frame, section, frame_point, is_beam
+   public :: find_pair, check_turning, need_frame, section, frame_point, turn_alike, keep_distance
 
 contains
 
@@ -154,12 +154,26 @@ contains
       point = model%counts%points
    end function frame_point
 
-   !> Whether a body is a beam or a frame.
-   pure logical function is_beam(model, body)
+   !> Whether two sections always turn alike: those of a rigid body, or one section of a beam.
+   pure logical function turn_alike(model, points)
       type(model_type), intent(in) :: model
-      integer, intent(in) :: body
-      is_beam = .false.
-      if (body /= ground) is_beam = model%bodies(body)%end_point > 0 .or. model%bodies(body)%is_frame
-   end function is_beam
+      integer, intent(in) :: points(2)
+      associate (first => model%points(points(1)), second => model%points(points(2)))
+         turn_alike = first%body == second%body
+         if (turn_alike) turn_alike = all(abs(first%psi - second%psi) <= 0.0_wp)
+      end associate
+   end function turn_alike
+
+   !> Whether two points always have the same distance: those of a rigid body, or one point of a beam.
+   pure logical function keep_distance(model, points)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: points(2)
+      associate (first => model%points(points(1)), second => model%points(points(2)))
+         keep_distance = first%body == second%body
+         if (.not. keep_distance .or. size(first%psi) == 0) return
+         keep_distance = all(abs(first%p0 - second%p0) <= 0.0_wp) .and. all(abs(first%phi - second%phi) <= 0.0_wp)
+         if (keep_distance .and. first%exact .and. second%exact) keep_distance = all(abs(first%reach - second%reach) <= 0.0_wp)
+      end associate
+   end function keep_distance
 
 end module limber_model_load_parts

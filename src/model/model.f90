@@ -318,6 +318,8 @@ module limber_model_model
       character(:), allocatable :: name
       !> Index of its first and last part in the list of the model
       integer :: first = 0, last = 0
+      !> Bushing: whether the deck gives it a stiffness or damping along its axes and against rotation (3)
+      logical :: resists(3) = .true.
       !> Whether it has an elongation; whether this is an angle; whether it holds two sections near each other, so that it has
       !> components
       !> in the axes of the second

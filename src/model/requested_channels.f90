@@ -1,13 +1,14 @@
 !> Channels of *OUTPUT with their units. Finds the quantities of their expressions in the model. Floor: model.
 module limber_model_requested_channels
    use limber_base_kinds, only: wp
-   use limber_base_text, only: as_text, lowercase, nearest_name
+   use limber_base_text, only: as_text, lowercase, nearest_name, suggestion
    use limber_deck_content, only: block_type, field_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_expression, only: slot_type
    use limber_deck_operations, only: function_names
    use limber_model_control_laws, only: insert_into
    use limber_model_controls, only: find_control, find_state
+   use limber_model_joint_coordinates, only: warn_of_kept
    use limber_model_lists, only: append
    use limber_model_points, only: find_point, find_body, find_named, enter_name
    use limber_model_quantities, only: quantities, of_point, of_body, of_beam_point, of_beam, of_joint, of_driver, of_spring, &
@@ -21,7 +22,7 @@ module limber_model_requested_channels
       & body_flexible, ground, coordinate_displacement, driver_angle, driver_joint_angle
    implicit none
    private
-   public :: add_channels, find_quantity, flexible_instead
+   public :: add_channels, check_expressions, check_studied, find_quantity, flexible_instead
 
    !> Dimension of an energy: exponents of length, time and mass
    integer, parameter :: energy(3) = [2, -2, 1]
@@ -52,6 +53,44 @@ contains
       end do
    end subroutine add_channels
 
+   !> Reports unknown quantities and objects in named expressions, whether these are used or not.
+   subroutine check_expressions(block, model, diagnostics)
+      !> *EXPRESSION
+      type(block_type), intent(in) :: block
+      type(model_type), intent(in) :: model
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(quantity_type) :: unused
+      integer :: i, j, k
+      do i = 1, size(block%lines)
+         do j = 1, size(block%lines(i)%fields)
+            do k = 1, size(block%lines(i)%fields(j)%expression%slots)
+               call find_quantity(block%lines(i)%fields(j)%expression%slots(k), model, unused, diagnostics)
+            end do
+         end do
+      end do
+   end subroutine check_expressions
+
+   !> Reports channels of a study that *OUTPUT does not ask for.
+   subroutine check_studied(block, model, diagnostics)
+      !> *STUDY
+      type(block_type), intent(in) :: block
+      type(model_type), intent(in) :: model
+      type(diagnostics_type), intent(inout) :: diagnostics
+      character(64) :: names(model%counts%channels)
+      integer :: i, k
+      do i = 1, size(names)
+         names(i) = model%channels(i)%name
+      end do
+      do i = 1, size(block%lines)
+         if (block%lines(i)%text(1) /= 'channels') cycle
+         do k = 2, block%lines(i)%count()
+            if (find_named(model, 'channel', lowercase(block%lines(i)%text(k))) > 0) cycle
+            call diagnostics%add(block%lines(i)%origin_of(k), "there is no channel '"//block%lines(i)%text(k)//"'", &
+               & suggestion(block%lines(i)%text(k), names, 'channels are those of *OUTPUT'), object=block%lines(i)%text(k))
+         end do
+      end do
+   end subroutine check_studied
+
    !> Makes a channel from a field of the deck.
    subroutine new_channel(field, model, channel, diagnostics)
       type(field_type), intent(in) :: field
@@ -73,6 +112,9 @@ contains
       call expression_units(channel%expression, slot_dimensions(channel%quantities), model%units, channel%dimension, channel%units)
       call find_reference(model, channel)
       call warn_of_zero(model, field, channel, diagnostics)
+      do i = 1, size(channel%quantities)
+         call warn_of_kept(model, channel%quantities(i), field%expression%slots(i), diagnostics)
+      end do
       if (.not. any(channel%quantities%kind == quantity_output)) return
       call insert_into(model, channel%expression, diagnostics)
       deallocate (channel%quantities)
@@ -224,15 +266,13 @@ contains
       type(diagnostics_type), intent(inout) :: diagnostics
       character(64) :: names(size(model%controls))
       character(:), allocatable :: label, name
-      integer :: i, near, control
+      integer :: i, control
       do i = 1, size(names)
          names(i) = model%controls(i)%name
       end do
       name = slot%argument(:index(slot%argument//'.', '.') - 1)
       control = find_control(model, name)
-      near = nearest_name(name, names)
-      label = 'controls are defined by *CONTROL'
-      if (near > 0) label = "did you mean '"//trim(names(near))//"'?"
+      label = suggestion(name, names, 'controls are defined by *CONTROL')
       if (control > 0) label = "write the name of the control alone: output("//name//')'
       if (control > 0 .and. what == 'state') then
          label = "control '"//name//"' has no states"

@@ -1,6 +1,6 @@
 !> Scalars of a run: *SCALAR. Expressions of summaries of channels over all samples. Floor: model.
 module limber_model_run_scalars
-   use limber_base_text, only: lowercase, nearest_name
+   use limber_base_text, only: lowercase, suggestion
    use limber_deck_content, only: block_type, field_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_expression, only: slot_type
@@ -99,7 +99,7 @@ contains
       type(diagnostics_type), intent(inout) :: diagnostics
       character(:), allocatable :: label
       character(64), allocatable :: names(:)
-      integer :: i, near
+      integer :: i
       channel = 0
       do summary = size(summary_names), 1, -1
          if (summary_names(summary) == slot%name) exit
@@ -116,9 +116,7 @@ contains
       do i = 1, size(names)
          names(i) = model%channels(i)%name
       end do
-      near = nearest_name(trim(slot%argument), names)
-      label = 'channels are those of *OUTPUT'
-      if (near > 0) label = "did you mean '"//trim(names(near))//"'?"
+      label = suggestion(trim(slot%argument), names, 'channels are those of *OUTPUT')
       call diagnostics%add(slot%origin, "there is no channel '"//trim(slot%argument)//"'", label, &
          & object=trim(slot%argument))
    end subroutine find_summary

@@ -6,11 +6,43 @@ module limber_model_sections
    use limber_deck_diagnostics, only: diagnostics_type
    implicit none
    private
-   public :: read_section, section_between, shear_factor, curved_inertia
+   public :: read_section, section_between, shear_factor, curved_inertia, check_material, check_section
 
    real(wp), parameter :: pi = acos(-1.0_wp)
 
 contains
+
+   !> Reports a Poisson's ratio that no material has.
+   subroutine check_material(block, diagnostics)
+      type(block_type), intent(in) :: block
+      type(diagnostics_type), intent(inout) :: diagnostics
+      real(wp) :: ratio
+      ratio = block%real('POISSON')
+      if (.not. (ratio > -1.0_wp .and. ratio <= 0.5_wp)) call diagnostics%add(block%origin_of('POISSON'), &
+         & 'no elastic material has POISSON='//as_text(ratio), 'give a number above -1 and at most 0.5')
+   end subroutine check_material
+
+   !> Reports what is wrong with a section, whether a beam uses it or not.
+   subroutine check_section(block, diagnostics)
+      type(block_type), intent(in) :: block
+      type(diagnostics_type), intent(inout) :: diagnostics
+      real(wp) :: strength(4)
+      integer :: before
+      before = diagnostics%count
+      call read_section(block, strength, diagnostics)
+      if (diagnostics%count > before) return
+      if (block%has('SHEAR FACTOR')) then
+         if (block%real('SHEAR FACTOR') > 1.0_wp) call diagnostics%warn(block%origin_of('SHEAR FACTOR'), "section '"// &
+            & block%name()//"': SHEAR FACTOR="//as_text(block%real('SHEAR FACTOR'))//' is more shear area than area', &
+            & 'a number up to 1, such as 5/6 of a rectangle')
+      end if
+      ! The variance of places between two bounds is the product of their distances at most
+      if (block%word('SHAPE') == 'GENERAL' .and. all(strength(3:4) > 0.0_wp)) then
+         if (strength(2) > (1 + 1.0e-3_wp)*product(strength([1, 3, 4]))) call diagnostics%warn(block%origin_of('INERTIA'), &
+            & "section '"//block%name()//"': no section of this AREA between TOP and BOTTOM has INERTIA="// &
+            & as_text(strength(2)), 'at most AREA*TOP*BOTTOM = '//as_text(product(strength([1, 3, 4])), 3))
+      end if
+   end subroutine check_section
 
    !> Area, second moment of area, and distances of the extreme fibres.
    subroutine read_section(block, strength, diagnostics)
@@ -35,7 +67,7 @@ contains
          inner = d - 2*block%real('THICKNESS')
          if (inner < 0.0_wp) then
             call diagnostics%add(block%origin_of('THICKNESS'), "the wall of section '"//block%name()// &
-               & "' is thicker than its radius", 'at most '//as_text(0.5_wp*d))
+               & "' is thicker than its radius", 'at most '//as_text(0.5_wp*d), object=block%name())
             return
          end if
          strength = [pi*(d**2 - inner**2)/4, pi*(d**4 - inner**4)/64, d/2, d/2]

@@ -89,6 +89,8 @@ contains
       real(wp) :: slender, of_mode(2), hung
       part = 0.0_wp
       if (.not. (vibrates(deck) .or. is_bent(deck, body%choice%exact))) return
+      ! A section or a length in error has none
+      if (.not. body%beam%ea*deck%blocks(index)%real('LENGTH') > 0.0_wp) return
       slender = body%beam%ei/body%beam%ea/deck%blocks(index)%real('LENGTH')**2
       ! First an upper bound for all supports
       part = lacking(deck, largest*slender*softness(deck, material, section), largest*slender)

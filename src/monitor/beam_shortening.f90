@@ -2,7 +2,8 @@
 !> that channels ask for. Floor: monitor. Source: doc/theory, eqs. (7.20), (7.21), (7.24), (7.47).
 module limber_monitor_beam_shortening
    use limber_base_kinds, only: wp
-   use limber_monitor_indicators, only: body_indicators_type, raise_peak, peak_recoil, peak_drawn, peak_along, sum_shortening
+   use limber_monitor_drawn_channels, only: drawn_channels_type
+   use limber_monitor_indicators, only: body_indicators_type, raise_peak, peak_recoil, peak_drawn, sum_shortening
    use limber_beam_monitored_sections, only: monitored_sections_type
    use limber_model_model, only: model_type, body_type
    implicit none
@@ -114,40 +115,54 @@ contains
       station_at = minloc(abs(stations%x - stations%place(place)), dim=1)
    end function station_at
 
-   !> Displacements along the beam that channels ask for: what bending draws in, eq. (7.24), and what the model shows.
-   pure subroutine observe_drawn(self, stations, model, t, eta)
+   !> How far bending draws in the points that are asked for and the mass, with rates and accelerations, eq. (7.24).
+   pure subroutine observe_drawn(self, stations, model, t, rate, acceleration, channels)
       type(body_indicators_type), intent(inout) :: self
       type(monitored_sections_type), intent(in) :: stations
       type(model_type), intent(in) :: model
-      !> Time; coordinates (n)
-      real(wp), intent(in) :: t, eta(:)
-      real(wp) :: fixed, part, shown
-      integer :: s, k
-      if (.not. allocated(self%asked)) return
-      ! Scratch: how far the stations are drawn in from the start
-      fixed = 0.0_wp
-      do s = 1, stations%count
-         part = 0.25_wp*stations%weight(s)*self%slope(s)**2
-         self%force(s) = fixed + part
-         fixed = self%force(s) + part
-      end do
-      associate (choice => model%bodies(self%body)%choice)
-         fixed = value_at(self, stations, choice%origin)
-         ! The frame of a free beam is its mean motion
-         if (.not. (choice%support%w_start .or. choice%support%w_end)) &
-            & fixed = dot_product(stations%weight, self%force)/sum(stations%weight)
-      end associate
-      do k = 1, size(self%asked)
-         associate (point => model%points(self%asked(k)))
-            part = value_at(self, stations, point%along) - fixed
-            shown = 0.0_wp
-            do s = 1, size(eta)
-               shown = shown + point%phi(1, s)*eta(s)
+      !> Time; rates and accelerations of the coordinates (n)
+      real(wp), intent(in) :: t, rate(:), acceleration(:)
+      type(drawn_channels_type), intent(inout) :: channels
+      real(wp) :: fixed, part, turned, faster, total
+      integer :: s, k, order
+      if (.not. allocated(channels%field)) return
+      if (.not. channels%bends(self%body)) return
+      associate (body => model%bodies(self%body))
+         do order = 0, 2
+            ! Scratch: how far the stations are drawn in from the start
+            total = 0.0_wp
+            do s = 1, stations%count
+               turned = 0.0_wp
+               faster = 0.0_wp
+               do k = 1, stations%bending
+                  turned = turned + stations%slope(k, s)*rate(k)
+                  faster = faster + stations%slope(k, s)*acceleration(k)
+               end do
+               select case (order)
+               case (0); part = 0.5_wp*self%slope(s)**2
+               case (1); part = self%slope(s)*turned
+               case default; part = turned**2 + self%slope(s)*faster
+               end select
+               part = 0.5_wp*stations%weight(s)*part
+               self%force(s) = total + part
+               total = self%force(s) + part
             end do
-         end associate
-         call raise_peak(self, peak_drawn, abs(part)/self%length, t)
-         call raise_peak(self, peak_along, max(abs(shown), abs(shown - part))/self%length, t)
-      end do
+            if (order == 0) call raise_peak(self, peak_drawn, total/self%length, t)
+            ! Ends that cannot approach each other stretch it
+            if (self%held) self%force = self%force - total*stations%x/body%beam%length
+            fixed = value_at(self, stations, body%choice%origin)
+            ! The frame of a free beam is its mean motion
+            if (.not. (body%choice%support%w_start .or. body%choice%support%w_end)) &
+               & fixed = dot_product(stations%weight, self%force)/sum(stations%weight)
+            do k = 1, size(channels%points)
+               associate (point => model%points(channels%points(k)))
+                  if (point%body == self%body) channels%field(1, order, k) = fixed - value_at(self, stations, point%along)
+               end associate
+            end do
+            channels%inertia(1, order, self%body) = body%beam%rho_a*(sum(stations%weight)*fixed &
+               & - dot_product(stations%weight, self%force))
+         end do
+      end associate
    end subroutine observe_drawn
 
    !> What the scratch of the stations is at a place.

@@ -3,35 +3,22 @@
 !> doc/theory, eqs. (7.24), (7.44)-(7.46).
 !>
 !>     call start_drawing_in(self, membrane, survey, carried)                    ! allocates
-!>     call find_drawing_in(self, survey, eta, rate, acceleration)      ! self%energy, %work, %force, %asked%lacking
+!>     call find_drawing_in(self, survey, eta, rate, acceleration)      ! self%energy, %work, %force
+!>     call show_drawing_in(self, body, channels)                                ! channels%field, %inertia
 module limber_monitor_drawing_in
    use limber_base_kinds, only: wp
+   use limber_monitor_drawn_channels, only: drawn_channels_type
    use limber_monitor_membrane, only: membrane_type, moved_by, tension_times, pull_nodes
    use limber_beam_plane_frame, only: frame_type, own_displacements, unit_load
    use limber_beam_frame_solver, only: solve_static
    use limber_beam_mesh_forces, only: survey_type
+   use limber_multibody_plane_vectors, only: cross, turn
    implicit none
    private
-   public :: drawing_in_type, drawn_channel_type, start_drawing_in, find_drawing_in
+   public :: drawing_in_type, start_drawing_in, find_drawing_in, show_drawing_in
 
    !> Most parts that members are divided into, so that the constants stay small
    integer, parameter :: most = 240
-
-   !> A displacement or coordinate of a point that a channel asks for
-   type :: drawn_channel_type
-      !> The channel as a deck has it: u1(frame.point)
-      character(100) :: name = ''
-      !> Index of the point, its member, its coordinate along that [length] and its place in the frame [length]
-      integer :: point = 0, member = 1
-      real(wp) :: along = 0.0_wp, place(2) = 0.0_wp
-      !> Axis of the displacement, 1 or 2; whether it is in space, and not relative to the floating frame
-      integer :: axis = 1
-      logical :: in_space = .false.
-      !> Displacements along both axes of the frame that a unit shortening of each part makes (2, parts)
-      real(wp), allocatable :: by_part(:, :)
-      !> These by the shortening found last [length]
-      real(wp) :: lacking(2) = 0.0_wp
-   end type drawn_channel_type
 
    !> The constants of one frame, and what was found last
    type :: drawing_in_type
@@ -47,8 +34,13 @@ module limber_monitor_drawing_in
       real(wp) :: energy = 0.0_wp, work = 0.0_wp, force = 0.0_wp
       !> Scratch: displacements of the nodes by bending, their rates and accelerations (3, nodes)
       real(wp), allocatable :: bent(:, :), rate(:, :), faster(:, :)
-      !> What channels ask for
-      type(drawn_channel_type), allocatable :: asked(:)
+      !> Points whose displacements are asked for, if any are: their slots, members, coordinates along these [length], places in the
+      !> frame [length]
+      integer, allocatable :: slots(:), member(:)
+      real(wp), allocatable :: along(:), place(:, :)
+      !> Displacements along both axes of the frame, and rotations, relative to the frame, that a unit shortening of each part
+      !> makes at these; and times the masses, with the moment about the origin, of the whole (3, parts, points + 1)
+      real(wp), allocatable :: by_part(:, :, :)
    end type drawing_in_type
 
 contains
@@ -65,15 +57,12 @@ contains
       real(wp) :: length, motion(3)
       integer :: e, i, k, nodes, parts
       self%made = .true.
-      if (.not. allocated(self%asked)) allocate (self%asked(0))
       associate (mesh => survey%mesh)
          nodes = size(mesh%place, 2)
          call divide(mesh%first, self%part)
          parts = maxval(self%part)
          allocate (drawn(2*nodes + 2*size(carried), parts), nodal(3, nodes), u(3, nodes))
-         do k = 1, size(self%asked)
-            allocate (self%asked(k)%by_part(2, parts))
-         end do
+         if (allocated(self%slots)) allocate (self%by_part(3, parts, size(self%slots) + 1))
          do i = 1, parts
             nodal = 0.0_wp
             length = sum(mesh%length, mask=self%part == i)
@@ -83,9 +72,7 @@ contains
             nodal = merge(nodal, 0.0_wp, mesh%free)
             call solve_static(mesh, survey%solver, nodal, u)
             call moved_by(membrane, mesh, u, motion)
-            do k = 1, size(self%asked)
-               call draw(self%asked(k), mesh, u, motion, i)
-            end do
+            if (allocated(self%slots)) call draw(self, mesh, u, motion, i)
             drawn(:2*nodes, i) = reshape(u(1:2, :)*sqrt(mesh%mass(1:2, :)), [2*nodes])
             do k = 1, size(carried)
                drawn(2*nodes + 2*k - 1, i) = sqrt(carried(k))*sum(survey%load(:, :, 3*k - 2)*u)
@@ -98,20 +85,57 @@ contains
       end associate
    end subroutine start_drawing_in
 
-   !> What the shortening of a part does to a channel.
-   subroutine draw(channel, mesh, u, motion, part)
-      type(drawn_channel_type), intent(inout) :: channel
+   !> What the shortening of a part does at the points, and to the whole.
+   subroutine draw(self, mesh, u, motion, part)
+      type(drawing_in_type), intent(inout) :: self
       type(frame_type), intent(in) :: mesh
       !> Displacements of the nodes (3, nodes), and the motion of the floating frame in these: along both axes, and rotation
       real(wp), intent(in) :: u(:, :), motion(3)
       integer, intent(in) :: part
-      integer :: k
-      do k = 1, 2
-         channel%by_part(k, part) = sum(unit_load(mesh, channel%member, channel%along, k)*u)
+      real(wp) :: own(2)
+      integer :: i, k
+      do i = 1, size(self%slots)
+         do k = 1, 3
+            self%by_part(k, part, i) = sum(unit_load(mesh, self%member(i), self%along(i), k)*u) - motion(k)
+         end do
+         self%by_part(1:2, part, i) = self%by_part(1:2, part, i) - motion(3)*turn(self%place(:, i))
       end do
-      if (channel%in_space) return
-      channel%by_part(:, part) = channel%by_part(:, part) - motion(1:2) - motion(3)*[-channel%place(2), channel%place(1)]
+      associate (whole => self%by_part(:, part, size(self%slots) + 1))
+         whole = 0.0_wp
+         do i = 1, size(u, 2)
+            own = mesh%mass(1:2, i)*(u(1:2, i) - motion(1:2) - motion(3)*turn(mesh%place(:, i)))
+            whole = whole + [own, cross(mesh%place(:, i), own)]
+         end do
+      end associate
    end subroutine draw
+
+   !> Displacements at the points in the state that was found last, their rates and accelerations.
+   pure subroutine show_drawing_in(self, body, channels)
+      type(drawing_in_type), intent(in) :: self
+      !> Index of the body
+      integer, intent(in) :: body
+      type(drawn_channels_type), intent(inout) :: channels
+      integer :: i
+      do i = 1, size(self%slots)
+         channels%field(:, :, self%slots(i)) = of_parts(self%by_part(:, :, i))
+      end do
+      channels%inertia(:, :, body) = of_parts(self%by_part(:, :, size(self%slots) + 1))
+
+   contains
+
+      pure function of_parts(by_part) result(field)
+         real(wp), intent(in) :: by_part(:, :)
+         real(wp) :: field(3, 3)
+         integer :: k
+         field = 0.0_wp
+         do k = 1, size(self%short)
+            field(:, 1) = field(:, 1) + by_part(:, k)*self%short(k)
+            field(:, 2) = field(:, 2) + by_part(:, k)*self%speed(k)
+            field(:, 3) = field(:, 3) + by_part(:, k)*self%quicker(k)
+         end do
+      end function of_parts
+
+   end subroutine show_drawing_in
 
    !> Divides each member into parts of some elements.
    pure subroutine divide(first, part)
@@ -131,7 +155,7 @@ contains
       end do
    end subroutine divide
 
-   !> Energy and work in a state, and what channels lack.
+   !> Energy and work in a state.
    pure subroutine find_drawing_in(self, survey, eta, rate, acceleration)
       type(drawing_in_type), intent(inout) :: self
       type(survey_type), intent(in) :: survey
@@ -175,12 +199,6 @@ contains
          self%energy = self%energy + self%speed(i)*row(1)
          self%work = self%work + 2*self%short(i)*row(2)
          self%force = max(self%force, abs(row(2)))
-      end do
-      do i = 1, size(self%asked)
-         self%asked(i)%lacking = 0.0_wp
-         do k = 1, size(self%short)
-            self%asked(i)%lacking = self%asked(i)%lacking + self%asked(i)%by_part(:, k)*self%short(k)
-         end do
       end do
    end subroutine find_drawing_in
 

@@ -4,17 +4,16 @@
 module limber_monitor_frame_watch
    use limber_base_kinds, only: wp
    use limber_base_finite, only: dsyev
-   use limber_monitor_drawing_in, only: start_drawing_in, find_drawing_in
+   use limber_monitor_drawing_in, only: start_drawing_in, find_drawing_in, show_drawing_in
    use limber_monitor_indicators, only: indicators_type, body_indicators_type, raise_peak, peak_compression, peak_tension, &
-      & peak_left_out, peak_geometric, peak_axial, peak_axial_grown, peak_stiffness, peak_layer, &
+      & peak_left_out, peak_axial, peak_axial_grown, peak_layer, &
       & peak_quartic, peak_quartic_grown, peak_membrane, peak_membrane_force, peak_pull, &
-      & peak_own_pull, peak_strained, peak_recoil, peak_drawn, sum_shortening, add_vibration, raise_recoil_force
+      & peak_own_pull, peak_strained, peak_recoil, peak_drawn, sum_shortening, add_geometric, add_vibration, raise_recoil_force
    use limber_monitor_membrane, only: start_membrane, find_membrane
    use limber_monitor_body_surveys, only: body_survey_type, take_amplitudes, is_base
    use limber_beam_elastic_forces, only: elastic_force
    use limber_beam_reduced_body, only: reduced_type
    use limber_beam_mesh_forces, only: axial_work
-   use limber_multibody_point_motion, only: point_position
    use limber_multibody_system, only: system_type, workspace_type
    implicit none
    private
@@ -47,7 +46,8 @@ contains
             call observe_frame(self%bodies(self%of(body)), survey, system%model%bodies(body)%reduced, t, q(first + 4:last))
             call observe_drawing_in(self%bodies(self%of(body)), survey, system%model%bodies(body)%reduced, t, &
                & q(first + 4:last), v(first + 4:last), a(first + 4:last))
-            call observe_drawn(self%bodies(self%of(body)), system, t, q)
+            if (allocated(self%bodies(self%of(body))%drawing_in%slots)) call show_drawing_in( &
+               & self%bodies(self%of(body))%drawing_in, body, self%drawn)
          end associate
       end do
    end subroutine observe_frames
@@ -185,8 +185,7 @@ contains
       call raise_peak(self, peak_strained, strained/min(1.0_wp, weakest), t)
       call raise_peak(self, peak_compression, -self%value(1), t)
       call raise_peak(self, peak_tension, self%value(size(self%value)), t)
-      call raise_peak(self, peak_geometric, abs(work), t)
-      call raise_peak(self, peak_stiffness, elastic + max(work, 0.0_wp), t)
+      call add_geometric(self, work, elastic, t)
       call raise_peak(self, peak_axial, quick, t)
       call raise_peak(self, peak_axial_grown, lack, t)
       call raise_peak(self, peak_left_out, left_out, t)
@@ -205,39 +204,10 @@ contains
       call add_vibration(self, reduced%omega2, t, eta, rate, acceleration)
       self%total(sum_shortening) = self%total(sum_shortening) + self%drawing_in%energy
       call raise_peak(self, peak_recoil, abs(self%drawing_in%work), t)
+      call raise_peak(self, peak_drawn, maxval(abs(self%drawing_in%short))/self%length, t)
       call observe_pull(self, own, t)
       call raise_recoil_force(self, self%drawing_in%force, t)
    end subroutine observe_drawing_in
-
-   !> Displacements and coordinates that channels ask for: what bending draws in, eq. (7.24), and what the model shows.
-   subroutine observe_drawn(self, system, t, q)
-      type(body_indicators_type), intent(inout) :: self
-      type(system_type), intent(in) :: system
-      !> Time; coordinates (nq)
-      real(wp), intent(in) :: t, q(:)
-      real(wp) :: lacking, shown, position(2)
-      integer :: i, first
-      first = system%layout%q(self%body)
-      do i = 1, size(self%drawn, 2)
-         associate (channel => self%drawing_in%asked(i), eta => q(first + 4:first + 3 + system%layout%n(self%body)))
-            associate (part => channel%lacking, u => q(first + 2:first + 3), point => system%model%points(channel%point))
-               lacking = part(channel%axis)
-               if (channel%in_space) then
-                  position = point_position(system%model, system%layout, point, q)
-                  lacking = merge(u(1)*part(1) - u(2)*part(2), u(2)*part(1) + u(1)*part(2), channel%axis == 1)
-                  if (.not. self%looks > 1) self%drawn_from(:, i) = [position(channel%axis), lacking]
-                  shown = position(channel%axis) - self%drawn_from(1, i)
-                  lacking = lacking - self%drawn_from(2, i)
-               else
-                  shown = dot_product(point%phi(channel%axis, :), eta)
-               end if
-            end associate
-         end associate
-         self%drawn(1, i) = max(self%drawn(1, i), abs(lacking))
-         self%drawn(2, i) = max(self%drawn(2, i), abs(shown), abs(shown + lacking))
-         call raise_peak(self, peak_drawn, abs(lacking)/self%length, t)
-      end do
-   end subroutine observe_drawn
 
    !> What the axial force that the shortening makes changes: the deflection, eq. (7.43), and forces. Motions and eigenvalues under
    !> the axial forces of the loads are those of the state.

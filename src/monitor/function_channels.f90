@@ -14,7 +14,7 @@ module limber_monitor_function_channels
    use limber_model_model, only: model_type, quantity_type, driver_distance, along_distance, ground
    implicit none
    private
-   public :: asks_along, shows_place, asks_moment, lost_of_channels, of_moments, of_forces, of_pulls
+   public :: asks_along, shows_place, asks_moment, lost_of_channels, lost_along, of_moments, of_forces, of_pulls
 
    !> Kinds of what errs
    integer, parameter :: of_moments = 1, of_forces = 2, of_pulls = 3
@@ -105,6 +105,19 @@ contains
          end do
       end do
    end function asks_moment
+
+   !> Largest part of the forces along beams that is off, of those that channels ask for.
+   real(wp) function lost_along(self, model) result(part)
+      type(function_watch_type), intent(in) :: self
+      type(model_type), intent(in) :: model
+      real(wp) :: lost(3)
+      integer :: k
+      part = 0.0_wp
+      do k = 1, size(self%beams)
+         lost = lost_of_channels(self, self%beams(k), model)
+         part = max(part, lost(of_pulls))
+      end do
+   end function lost_along
 
    !> Parts of the bending moments, of forces across the beam and of forces along it that are off (3), of those that channels ask of
    !> it, and of reactions and efforts of drivers of bodies that joints connect with it, eqs. (7.62), (7.65).

@@ -108,13 +108,15 @@ contains
    end function function_mode_warnings
 
    !> A warning of the load at which the scene buckles in a motion; empty if it is right.
-   function function_load_warning(system, work, balance, t, q, lambda, motion) result(text)
+   function function_load_warning(system, work, balance, t, q, lambda, motion, taken) result(text)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       !> As of modes
       type(equilibrium_type), intent(inout) :: balance
       !> Time, coordinates (nq), multipliers (nc), motion without stiffness (nw)
       real(wp), intent(in) :: t, q(:), lambda(:), motion(:)
+      !> Stiffness that the loads take from that motion, of unit size in the scales: less than the elastic one counts as that
+      real(wp), intent(in) :: taken
       character(:), allocatable :: text
       type(function_watch_type) :: watch
       real(wp), allocatable :: saved(:, :)
@@ -125,7 +127,7 @@ contains
       if (size(watch%beams) == 0) return
       allocate (saved(3, size(watch%beams)))
       call save(watch, system, work, balance, t, q, lambda, motion, saved)
-      error = sum(saved)/elastic_energy(system, motion)
+      error = sum(saved)/max(elastic_energy(system, motion), taken*norm2(motion/balance%scale)**2)
       beam = maxloc(sum(saved, dim=1), dim=1)
       if (error > little) text = 'warning: the load at t = '//as_text(t, 6)//', where equilibrium turns unstable, is too high by ' &
          & //size_words(error)//': '//remedy(system%model, watch%beams(beam)%body, saved(:, beam))//newline

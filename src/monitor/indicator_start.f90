@@ -9,15 +9,14 @@ module limber_monitor_indicator_start
    use limber_monitor_lumping_phase, only: start_phase
    use limber_monitor_modal_sudden, only: start_modal_sudden
    use limber_monitor_body_surveys, only: start_surveys, is_base
-   use limber_monitor_drawing_in, only: drawn_channel_type
+   use limber_monitor_drawn_channels, only: start_drawn_channels
    use limber_beam_quasistatic_deflection, only: new_quasistatic
    use limber_beam_monitored_sections, only: new_stations, patch_type
    use limber_model_distributed_loads, only: spread_parts
    use limber_model_model, only: place_at_point, place_on_line, place_on_curve, place_on_beam, ground, body_rigid, body_type
-   use limber_model_quantities, only: quantities, quantity_ax, quantity_axial_force, quantity_ay, quantity_bending_moment, &
+   use limber_model_quantities, only: quantity_ax, quantity_axial_force, quantity_ay, quantity_bending_moment, &
       & quantity_deflection, quantity_force_1, quantity_force_2, quantity_force_x, quantity_force_y, quantity_moment, &
-      & quantity_rotation, quantity_shear_force, quantity_stress_bottom, quantity_stress_top, quantity_u1, quantity_u2, &
-      & quantity_x, quantity_y
+      & quantity_rotation, quantity_shear_force, quantity_stress_bottom, quantity_stress_top, quantity_u1, quantity_u2
    use limber_multibody_system, only: system_type
    use limber_output_point_forces, only: new_pulls, pulled_points
    implicit none
@@ -63,6 +62,7 @@ contains
       end do
       allocate (self%scratch(most))
       self%pulls = new_pulls(system)
+      allocate (self%drawn%channels(0))
       if (count == 0) return
       do i = 1, size(system%model%joints)
          if (any(system%model%joints(i)%place == [place_on_line, place_on_curve, place_on_beam])) &
@@ -86,7 +86,45 @@ contains
          end associate
       end do
       call find_shown(self, system)
+      call start_drawn(self, system)
    end subroutine start_indicators
+
+   !> Channels that bending draws in, and the points of frames that these need.
+   subroutine start_drawn(self, system)
+      type(indicators_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      logical :: watched(size(self%of))
+      integer :: i, k, n
+      watched = .false.
+      do i = 1, size(self%bodies)
+         associate (body => self%bodies(i))
+            watched(body%body) = body%is_beam .or. (system%model%bodies(body%body)%is_frame .and. self%surveys%of(body%body) > 0)
+         end associate
+      end do
+      call start_drawn_channels(self%drawn, system, watched)
+      if (.not. allocated(self%drawn%points)) return
+      do i = 1, size(self%bodies)
+         if (self%bodies(i)%is_beam .or. .not. self%drawn%bends(self%bodies(i)%body)) cycle
+         associate (own => self%bodies(i)%drawing_in, points => self%drawn%points)
+            n = 0
+            do k = 1, size(points)
+               if (system%model%points(points(k))%body == self%bodies(i)%body) n = n + 1
+            end do
+            allocate (own%slots(n), own%member(n), own%along(n), own%place(2, n))
+            n = 0
+            do k = 1, size(points)
+               associate (point => system%model%points(points(k)))
+                  if (point%body /= self%bodies(i)%body) cycle
+                  n = n + 1
+                  own%slots(n) = k
+                  own%member(n) = max(1, point%member)
+                  own%along(n) = point%along
+                  own%place(:, n) = point%p0
+               end associate
+            end do
+         end associate
+      end do
+   end subroutine start_drawn
 
    !> Which bodies channels ask for deflections or internal forces of.
    subroutine find_shown(self, system)
@@ -103,14 +141,12 @@ contains
                   if (quantity%kind == quantity_moment .and. .not. (quantity%of_load .or. quantity%of_coupler)) &
                      & call show_reaction(quantity%of)
                   call show_axial(self, system, quantity%kind, quantity%of, quantity%of_load .or. quantity%of_coupler)
-                  call ask_frame(self, system, quantity%kind, quantity%of)
                   if (.not. any(quantity%kind == [quantity_shear_force, quantity_bending_moment, quantity_stress_top, &
                      & quantity_stress_bottom, quantity_deflection, quantity_u1, quantity_u2, quantity_rotation])) cycle
                   if (model%points(quantity%of)%body == ground) cycle
                   body = self%of(model%points(quantity%of)%body)
                   if (body == 0) cycle
                   self%bodies(body)%phase%shown = .true.
-                  if (quantity%kind == quantity_u1 .and. self%bodies(body)%is_beam) call ask(self%bodies(body), quantity%of)
                   if (any(quantity%kind == [quantity_deflection, quantity_u1, quantity_u2, quantity_rotation])) cycle
                   if (quantity%kind == quantity_shear_force) self%bodies(body)%shows_shear = .true.
                   if (quantity%kind /= quantity_shear_force) self%bodies(body)%shows_moment = .true.
@@ -147,38 +183,6 @@ contains
       end subroutine show_reaction
 
    end subroutine find_shown
-
-   !> Notes a point whose displacement along its beam is asked for.
-   pure subroutine ask(body, point)
-      type(body_indicators_type), intent(inout) :: body
-      integer, intent(in) :: point
-      if (.not. allocated(body%asked)) allocate (body%asked(0))
-      body%asked = [body%asked, point]
-   end subroutine ask
-
-   !> Notes a displacement or coordinate of a point of a frame that is asked for.
-   subroutine ask_frame(self, system, kind, point)
-      type(indicators_type), intent(inout) :: self
-      type(system_type), intent(in) :: system
-      !> Kind of quantity, index of the point
-      integer, intent(in) :: kind, point
-      type(drawn_channel_type) :: channel
-      integer :: body
-      if (all(kind /= [quantity_u1, quantity_u2, quantity_x, quantity_y])) return
-      body = system%model%points(point)%body
-      if (body == ground) return
-      if (self%surveys%of(body) == 0 .or. self%of(body) == 0) return
-      associate (own => self%bodies(self%of(body)), at => system%model%points(point))
-         channel = drawn_channel_type(name=trim(quantities(kind)%name)//'('//trim(at%name)//')', point=point, &
-            & member=max(1, at%member), along=at%along, place=at%p0, &
-            & axis=merge(1, 2, any(kind == [quantity_u1, quantity_x])), in_space=any(kind == [quantity_x, quantity_y]))
-         own%drawing_in%asked = [own%drawing_in%asked, channel]
-         deallocate (own%drawn, own%drawn_from)
-         allocate (own%drawn(2, size(own%drawing_in%asked)), own%drawn_from(2, size(own%drawing_in%asked)))
-         own%drawn = 0.0_wp
-         own%drawn_from = 0.0_wp
-      end associate
-   end subroutine ask_frame
 
    !> Which body a channel asks for axial forces of: at a point, or by the force of a joint.
    subroutine show_axial(self, system, kind, of, is_other)
@@ -321,7 +325,6 @@ contains
          body%lumping(survey%chosen) = survey%lumping
          body%bending = pack(survey%chosen, [(survey%bending(k, k) > 0.5_wp*survey%omega2(k), k=1, m)])
          call find_carried(self, system, contacts, body)
-         allocate (body%drawing_in%asked(0), body%drawn(2, 0), body%drawn_from(2, 0))
          body%layer = max(1, size(body%bending))/real(size(survey%mesh%first) - 1, wp)
       end associate
    end subroutine start_frame

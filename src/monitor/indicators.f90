@@ -11,6 +11,7 @@ module limber_monitor_indicators
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
    use limber_monitor_drawing_in, only: drawing_in_type
+   use limber_monitor_drawn_channels, only: drawn_channels_type, join_drawn_channels, drawn_part
    use limber_monitor_false_damping, only: false_damping_type, join_false_damping, lost_amplitude
    use limber_monitor_function_watch, only: function_watch_type, join_functions
    use limber_monitor_membrane, only: membrane_type
@@ -23,9 +24,8 @@ module limber_monitor_indicators
    implicit none
    private
    public :: indicators_type, body_indicators_type, indicator_set_type, join_indicators, raise_peak, raise_recoil_force, &
-      & add_vibration, &
-      & indicator_value, indicator_time
-   public :: indicator_names, indicator_meanings, layer_errors, sudden_errors, drawn_parts, looks_at_jumps
+      & add_vibration, add_geometric, indicator_value, indicator_time
+   public :: indicator_names, indicator_meanings, layer_errors, sudden_errors, looks_at_jumps, tell_drawn
 
    !> Kinds of indicators, those of a body in this order
    integer, parameter, public :: indicator_deflection = 1, indicator_slope = 2, indicator_rotation = 3, indicator_compression = 4, &
@@ -34,13 +34,13 @@ module limber_monitor_indicators
       & indicator_drift = 14, indicator_elongation = 15, indicator_recoil = 16, indicator_buckling = 17, indicator_layer = 18, &
       & indicator_phase = 19, indicator_false_damping = 20, indicator_membrane = 21, &
       & indicator_reaction = 22, indicator_recoil_force = 23, indicator_drawn = 24, indicator_strain = 25, &
-      & indicator_sudden = 26, indicator_count = 26
+      & indicator_sudden = 26, indicator_stiffening = 27, indicator_count = 27
 
    !> Their names in results, and what they are
    character(*), parameter :: indicator_names(indicator_count) = [character(16) :: 'deflection', 'slope', 'rotation', &
       & 'compression', 'tension', 'pace', 'last_mode', 'residual', 'geometric', 'axial', 'coarseness', 'lumping', &
       & 'shortening', 'drift', 'elongation', 'recoil', 'buckling', 'layer', 'phase', 'false_damping', &
-      & 'membrane', 'membrane_force', 'recoil_force', 'drawn_in', 'strain', 'sudden']
+      & 'membrane', 'membrane_force', 'recoil_force', 'drawn_in', 'strain', 'sudden', 'stiffening']
    character(*), parameter :: indicator_meanings(indicator_count) = [character(120) :: &
       & 'largest deflection in the frame / length', &
       & 'largest slope in the frame', &
@@ -65,9 +65,10 @@ module limber_monitor_indicators
       & 'relative change of the deflection of a frame by axial force where the ends of its members cannot approach each other', &
       & 'that axial force / largest axial force or load, where channels ask for axial forces, stresses or reactions', &
       & 'axial force by inertia that the shortening has and the model lacks / largest axial force or load, where it is asked for', &
-      & 'displacement by which bending draws the body in and that the model lacks / largest one, where it is asked for', &
+      & 'error of a position, velocity, acceleration or momentum that bending draws in and a channel asks for / largest one', &
       & 'relative change of the deflection by the axial strain of what is compressed', &
-      & 'section forces and reactions of vibrations under sudden loads outside the coordinates / largest ones, where asked for']
+      & 'section forces and reactions of vibrations under sudden loads outside the coordinates / largest ones, where asked for', &
+      & 'shift of the vibrations / largest deflection, by the work of axial forces on the bending that the model lacks']
 
    !> Kinetic over elastic energy, as `indicator_pace`, below which a compression lasts long enough to buckle a beam
    real(wp), parameter, public :: slow = 0.3_wp
@@ -79,13 +80,12 @@ module limber_monitor_indicators
       & peak_unstretched = 17, peak_recoil = 18, peak_axial_grown = 19, &
       & peak_coarse_grown = 20, peak_layer = 21, peak_quartic_grown = 22, &
       & peak_membrane = 23, peak_membrane_force = 24, peak_pull = 25, peak_growth = 26, &
-      & peak_recoil_force = 27, peak_recoil_kept = 28, peak_own_pull = 29, peak_drawn = 30, peak_along = 31, &
-      & peak_strained = 32, peaks = 32
+      & peak_recoil_force = 27, peak_recoil_kept = 28, peak_own_pull = 29, peak_drawn = 30, peak_strained = 31, peaks = 31
 
-   !> Sums over the states that were observed: kinetic and elastic energy of bending, that of the shortening, accelerations, and
-   !> squared coordinates of bending
+   !> Sums over the states that were observed: kinetic and elastic energy of bending, that of the shortening, accelerations,
+   !> squared coordinates of bending, and work of the axial forces on the bending
    integer, parameter, public :: sum_kinetic = 1, sum_elastic = 2, sum_shortening = 3, sum_acceleration = 4, &
-      & sum_bent = 5, sums = 5
+      & sum_bent = 5, sum_geometric = 6, sums = 6
 
    !> One flexible body, or one rigid beam
    type :: body_indicators_type
@@ -113,8 +113,6 @@ module limber_monitor_indicators
       logical :: shows_axial = .false.
       !> The same without stresses
       logical :: shows_force = .false.
-      !> Points of a beam whose displacements along it channels ask for; otherwise unallocated
-      integer, allocatable :: asked(:)
       !> Part of the length below which a deflection is one of the integrator's errors
       real(wp) :: noise = 0.0_wp
       !> First frequency, and length or size
@@ -152,9 +150,10 @@ module limber_monitor_indicators
       type(membrane_type) :: membrane
       !> Of a frame: inertia of the shortening of its members, and the displacements by that; of a beam only its axial force
       type(drawing_in_type) :: drawing_in
-      !> Of each of these displacements: the largest that is lacking, and the largest; of a coordinate in space its first value, and
-      !> what it lacks there (2, channels) [length]
-      real(wp), allocatable :: drawn(:, :), drawn_from(:, :)
+      !> Of the channels that its bending draws in the one that errs most: that error as a part of its largest value, when, and its
+      !> name
+      real(wp) :: drawn = 0.0_wp, drawn_at = 0.0_wp
+      character(100) :: drawn_name = ''
       !> Scratch: slopes and axial forces at the stations, amplitudes along and across, and of the bending coordinates,
       !> forces on these
       real(wp), allocatable :: slope(:), force(:), along(:), across(:), own(:), push(:, :)
@@ -196,6 +195,8 @@ module limber_monitor_indicators
       type(surveys_type) :: surveys
       !> What the functions of exact beams leave out
       type(function_watch_type) :: functions
+      !> Channels that bending draws in
+      type(drawn_channels_type) :: drawn
    contains
       procedure :: exchange => exchange_indicators
    end type indicators_type
@@ -277,8 +278,9 @@ contains
          call join_phases(part%bodies(i)%phase, whole%bodies(i)%phase)
          call join_false_damping(part%bodies(i)%false_damping, whole%bodies(i)%false_damping)
          whole%bodies(i)%moving = max(whole%bodies(i)%moving, part%bodies(i)%moving)
-         if (allocated(part%bodies(i)%drawn)) whole%bodies(i)%drawn = max(whole%bodies(i)%drawn, part%bodies(i)%drawn)
       end do
+      call join_drawn_channels(part%drawn, whole%drawn)
+      call tell_drawn(whole)
       call join_functions(part%functions, whole%functions)
    end subroutine join_indicators
 
@@ -294,7 +296,7 @@ contains
             value = 0.0_wp
             if (size(self%modal) > 0) value = ratio(self%modal(size(self%modal)), peak(peak_energy))
          case (indicator_residual); value = ratio(peak(peak_left_out), peak(peak_left_out) + peak(peak_energy))
-         case (indicator_geometric); value = ratio(peak(peak_geometric), peak(peak_stiffness))
+         case (indicator_geometric); value = sqrt(ratio(peak(peak_geometric), peak(peak_stiffness)))
          case (indicator_axial)
             value = sqrt(ratio(peak(merge(peak_axial_grown, peak_axial, is_slow(self))), &
                & peak(peak_stiffness)))
@@ -306,7 +308,9 @@ contains
                & sqrt(ratio(peak(peak_lost), peak(peak_energy))))
          case (indicator_shortening)
             value = ratio(peak(merge(peak_quartic_grown, peak_quartic, is_slow(self))), peak(peak_stiffness))
-         case (indicator_drift); value = drift(self)
+         case (indicator_drift); value = vibration_shift(self, ratio(self%total(sum_shortening), self%total(sum_kinetic)))
+         case (indicator_stiffening); value = vibration_shift(self, 0.5_wp*ratio(abs(self%total(sum_geometric)), &
+            & self%total(sum_elastic)))
          case (indicator_recoil); value = ratio(peak(peak_recoil), peak(peak_stiffness))
          case (indicator_elongation); value = ratio(peak(peak_unstretched), max(peak(peak_stretch), peak(peak_deflection)))
          case (indicator_buckling); value = self%misfit*peak(peak_compression)/max(0.01_wp, abs(1 - peak(peak_compression)))
@@ -318,7 +322,7 @@ contains
             value = 0.0_wp
             if (self%shows_axial) value = ratio(peak(peak_membrane_force), max(peak(peak_pull), peak(peak_membrane_force)))
          case (indicator_recoil_force); value = peak(peak_recoil_force)
-         case (indicator_drawn); value = max(ratio(peak(peak_drawn), peak(peak_along)), drawn_frame(self))
+         case (indicator_drawn); value = self%drawn
          case (indicator_strain)
             value = 0.0_wp
             if (is_slow(self)) value = ratio(peak(peak_strained), peak(peak_stiffness))
@@ -328,26 +332,32 @@ contains
       end associate
    end function indicator_value
 
-   !> The largest part of a displacement of a frame, asked for, that is lacking.
-   pure real(wp) function drawn_frame(self) result(value)
-      type(body_indicators_type), intent(in) :: self
-      value = 0.0_wp
-      if (allocated(self%drawn)) value = maxval([0.0_wp, drawn_parts(self)])
-   end function drawn_frame
-
-   !> Parts of the displacements of a frame that are lacking (channels); nought of what is not worth a word.
-   pure function drawn_parts(self) result(parts)
-      type(body_indicators_type), intent(in) :: self
-      real(wp) :: parts(size(self%drawn, 2))
-      !> Part of the size of the frame below which a displacement is none
-      real(wp), parameter :: least = 1.0e-9_wp
-      integer :: i
-      parts = 0.0_wp
-      do i = 1, size(parts)
-         if (self%drawn(1, i) > self%length*least) &
-            & parts(i) = ratio(self%drawn(1, i), self%drawn(2, i))
+   !> Gives each channel to its body, what shows several or none that bend to the one that is drawn in most.
+   pure subroutine tell_drawn(self)
+      type(indicators_type), intent(inout) :: self
+      real(wp) :: part, most
+      integer :: i, body, worst
+      worst = 1
+      most = 0.0_wp
+      do i = 1, size(self%bodies)
+         self%bodies(i)%drawn = 0.0_wp
+         self%bodies(i)%drawn_at = 0.0_wp
+         self%bodies(i)%drawn_name = ''
+         if (.not. self%bodies(i)%length*self%bodies(i)%peak(peak_drawn) > most) cycle
+         most = self%bodies(i)%length*self%bodies(i)%peak(peak_drawn)
+         worst = i
       end do
-   end function drawn_parts
+      do i = 1, size(self%drawn%channels)
+         part = drawn_part(self%drawn%channels(i))
+         if (.not. part > 0.0_wp) cycle
+         body = worst
+         if (self%drawn%channels(i)%body > 0) body = self%of(self%drawn%channels(i)%body)
+         if (.not. part > self%bodies(body)%drawn) cycle
+         self%bodies(body)%drawn = part
+         self%bodies(body)%drawn_at = self%drawn%channels(i)%time
+         self%bodies(body)%drawn_name = self%drawn%channels(i)%name
+      end do
+   end subroutine tell_drawn
 
    !> Error of the internal forces that are asked for where bending near an end or a load dies out over sqrt(E I/P).
    pure real(wp) function layer_error(self) result(value)
@@ -386,12 +396,13 @@ contains
       looks_at_jumps = size(self%functions%beams) > 0 .or. any(self%bodies%sudden%body > 0)
    end function looks_at_jumps
 
-   !> Phase by which the vibrations are ahead, as a part of the largest deflection: of a model without the inertia of the
-   !> shortening, eq. (7.21).
-   pure real(wp) function drift(self)
+   !> Phase by which the vibrations go wrong, as a part of the largest deflection, eq. (7.21).
+   pure real(wp) function vibration_shift(self, detuning) result(shift)
       type(body_indicators_type), intent(in) :: self
-      real(wp) :: frequency, vibrating, count, shift
-      drift = 0.0_wp
+      !> Relative error of the frequency
+      real(wp), intent(in) :: detuning
+      real(wp) :: frequency, vibrating, count
+      shift = 0.0_wp
       if (self%held) return
       associate (total => self%total)
          if (.not. (total(sum_kinetic) > 0.0_wp .and. self%peak(peak_bent) > 0.0_wp .and. total(sum_elastic) > 0.0_wp)) return
@@ -400,11 +411,23 @@ contains
          if (.not. (frequency > 0.0_wp .and. count > 0.0_wp)) return
          ! Sums and the largest are of the same states: their quotient needs the number of these
          vibrating = min(1.0_wp, sqrt(2*total(sum_kinetic)/self%looks)/(frequency*sqrt(self%peak(peak_bent))))
-         shift = total(sum_shortening)/total(sum_kinetic)
          ! Of a deflection that follows its loads little vibrates freely
-         drift = vibrating*frequency*count*shift*min(1.0_wp, frequency*sqrt(total(sum_bent)/total(sum_elastic)))
+         shift = vibrating*frequency*count*detuning*min(1.0_wp, frequency*sqrt(total(sum_bent)/total(sum_elastic)))
       end associate
-   end function drift
+   end function vibration_shift
+
+   !> Work of the axial forces on the bending: its share in the energy of bending, as an error of the deflection, and its sum,
+   !> eq. (7.15).
+   pure subroutine add_geometric(self, work, elastic, t)
+      type(body_indicators_type), intent(inout) :: self
+      !> Twice the work, and twice the elastic energy of bending, then; the time
+      real(wp), intent(in) :: work, elastic, t
+      real(wp) :: stiffness
+      stiffness = elastic + max(work, 0.0_wp)
+      call raise_peak(self, peak_stiffness, stiffness, t)
+      if (stiffness > 0.0_wp) call raise_peak(self, peak_geometric, work**2/stiffness, t)
+      self%total(sum_geometric) = self%total(sum_geometric) + work
+   end subroutine add_geometric
 
    !> Time of that value: of a quotient that of its numerator.
    pure real(wp) function indicator_time(self, kind) result(t)
@@ -423,7 +446,7 @@ contains
          t = 0.0_wp
          if (self%is_beam) t = self%time(peak_lost)
       case (indicator_shortening); t = self%time(peak_quartic)
-      case (indicator_drift); t = max(0.0_wp, self%span(2))
+      case (indicator_drift, indicator_stiffening); t = max(0.0_wp, self%span(2))
       case (indicator_recoil); t = self%time(peak_recoil)
       case (indicator_elongation); t = self%time(peak_unstretched)
       case (indicator_buckling); t = self%time(peak_compression)
@@ -433,7 +456,7 @@ contains
       case (indicator_membrane); t = self%time(peak_membrane)
       case (indicator_reaction); t = self%time(peak_membrane_force)
       case (indicator_recoil_force); t = self%time(peak_recoil_force)
-      case (indicator_drawn); t = self%time(peak_drawn)
+      case (indicator_drawn); t = self%drawn_at
       case (indicator_strain); t = self%time(peak_strained)
       case (indicator_sudden); t = 0.0_wp
          if (self%sudden%when > -huge(t)) t = self%sudden%when
@@ -473,15 +496,13 @@ contains
          call snapshot%keep('modal', self%bodies(i)%modal)
          call snapshot%keep('modal_time', self%bodies(i)%modal_time)
          call snapshot%keep('moving', self%bodies(i)%moving)
-         if (allocated(self%bodies(i)%drawn)) then
-            call snapshot%exchange('drawn', self%bodies(i)%drawn)
-            call snapshot%exchange('drawn_from', self%bodies(i)%drawn_from)
-         end if
          call self%bodies(i)%sudden%exchange(snapshot)
          call self%bodies(i)%phase%exchange(snapshot)
          call self%bodies(i)%false_damping%exchange(snapshot)
       end do
       call self%functions%exchange(snapshot)
+      call self%drawn%exchange(snapshot)
+      call tell_drawn(self)
       call snapshot%exchange('observations', self%observations)
       call snapshot%exchange('swings', self%swings)
       ! Not saved: sets, count, of, place, fixed, turned, scratch, pulls, surveys

@@ -11,13 +11,14 @@ module limber_monitor_modal_sudden
    use limber_base_error, only: error_type
    use limber_beam_force_recovery, only: recovery_type, internal_forces
    use limber_model_force_sections, only: recover_points
+   use limber_model_model, only: driver_angle, driver_joint_angle
    use limber_monitor_function_fading, only: fading_type, fading_of, faded, late_part
    use limber_monitor_function_sudden, only: at_rest, at_start, before_break, behind_break, opposite, share
    use limber_model_quantities, only: quantity_force_x, quantity_force_y, quantity_force_1, quantity_force_2, quantity_moment, &
       & quantity_force, quantity_torque, quantity_tension
    use limber_multibody_system, only: system_type, workspace_type
    use limber_output_internal_forces, only: section_forces_type, start_effort, gather_modal
-   use limber_output_joint_forces, only: joint_force, joint_moment
+   use limber_output_joint_forces, only: joint_force, joint_moment, driver_effort
    implicit none
    private
    public :: modal_sudden_type, start_modal_sudden, observe_modal_sudden, join_modal_sudden, lost_forces
@@ -39,10 +40,10 @@ module limber_monitor_modal_sudden
       !> Whether it has coordinates along its axis; number of its vibration modes
       logical :: stretches = .false.
       integer :: modes = 0
-      !> What acts on it; joints whose reactions are asked for, whether forces or moments are; where channels ask for no section
-      !> forces, sections at these joints
+      !> What acts on it; joints and drivers whose reactions are asked for, whether forces or moments are; where channels ask for no
+      !> section forces, sections at their points
       type(section_forces_type) :: effort
-      integer, allocatable :: joints(:)
+      integer, allocatable :: joints(:), drivers(:)
       logical :: asked(2) = .false.
       type(recovery_type), allocatable :: own
       !> How damping ends the vibration of each coordinate (n), and those behind the last one
@@ -102,7 +103,7 @@ contains
       end associate
    end subroutine start_modal_sudden
 
-   !> Sections at the joints whose reactions are asked for, if there are any.
+   !> Sections at the points of the joints and drivers whose reactions are asked for, if there are any.
    subroutine start_own(self, system, body)
       type(modal_sudden_type), intent(inout) :: self
       type(system_type), intent(in) :: system
@@ -117,6 +118,15 @@ contains
                if (item%bodies(side) /= body .or. item%points(side) == 0) cycle
                if (item%points(side) > size(system%model%points)) cycle
                if (system%model%points(item%points(side))%member > 0) points = [points, item%points(side)]
+            end do
+         end associate
+      end do
+      do i = 1, size(self%drivers)
+         associate (driver => system%model%drivers(self%drivers(i)))
+            do side = 1, size(driver%points)
+               if (driver%points(side) == 0) cycle
+               if (system%model%points(driver%points(side))%body /= body) cycle
+               if (system%model%points(driver%points(side))%member > 0) points = [points, driver%points(side)]
             end do
          end associate
       end do
@@ -147,8 +157,8 @@ contains
       end associate
    end subroutine start_sections
 
-   !> Joints of a body, if channels ask for what they pass on: reactions of these or other joints, what drivers exert, and forces of
-   !> loads on the body.
+   !> Joints and drivers of a body, if channels ask for what they pass on: reactions of these or other joints, what drivers exert,
+   !> and forces of loads on the body.
    pure subroutine find_joints(self, system, body)
       type(modal_sudden_type), intent(inout) :: self
       type(system_type), intent(in) :: system
@@ -180,8 +190,17 @@ contains
          end do
          self%joints = pack([(i, i=1, size(model%joints))], [(any(system%constraints(i)%item%bodies == body), &
             & i=1, size(model%joints))])
+         j = size(model%joints)
+         self%drivers = pack([(i, i=1, size(model%drivers))], [(any(system%constraints(j + i)%item%bodies == body), &
+            & i=1, size(model%drivers))])
       end associate
-      if (.not. any(self%asked)) self%joints = self%joints(:0)
+      ! Joints and drivers that pass on no moment to it make moments elsewhere by their forces
+      if (self%asked(2) .and. .not. (any(system%model%joints(self%joints)%keeps_angle) .or. &
+         & any(system%model%drivers(self%drivers)%kind == driver_angle) .or. &
+         & any(system%model%drivers(self%drivers)%kind == driver_joint_angle))) self%asked = [.true., .false.]
+      if (any(self%asked)) return
+      self%joints = self%joints(:0)
+      self%drivers = self%drivers(:0)
    end subroutine find_joints
 
    !> Takes in a state. Kinematics are placed and moved there; Jacobians and multipliers are those of the state.
@@ -195,7 +214,7 @@ contains
       real(wp), intent(in) :: t, q(:), v(:), a(:)
       real(wp), dimension(system%layout%n(self%body)) :: amplitude, still
       real(wp) :: left_out(of_sections, size(self%jump, 2))
-      integer :: i, first, last
+      integer :: i, j, first, last
       if (kind == at_rest) return
       first = system%layout%q(self%body) + 4
       last = first - 1 + size(amplitude)
@@ -217,6 +236,10 @@ contains
             if (system%constraints(self%joints(i))%item%rows == 0) cycle
             self%largest(4) = max(self%largest(4), norm2(joint_force(system, work, self%joints(i))))
             self%largest(5) = max(self%largest(5), abs(joint_moment(system, work, self%joints(i), q)))
+         end do
+         do i = 1, size(self%drivers)
+            j = merge(5, 4, any(system%model%drivers(self%drivers(i))%kind == [driver_angle, driver_joint_angle]))
+            self%largest(j) = max(self%largest(j), abs(driver_effort(system, work, self%drivers(i))))
          end do
          call gather_modal(self%effort, system, work, self%body, q, v, a)
          if (allocated(self%own)) then
@@ -376,7 +399,7 @@ contains
       call snapshot%exchange('begun', self%begun)
       call snapshot%exchange('jumped', self%jumped)
       call snapshot%exchange('when', self%when)
-      ! Not saved: stretches, modes, effort, joints, asked, own, fading, fading_behind, error, height
+      ! Not saved: stretches, modes, effort, joints, drivers, asked, own, fading, fading_behind, error, height
    end subroutine exchange_modal_sudden
 
 end module limber_monitor_modal_sudden

@@ -7,9 +7,10 @@ module limber_monitor_model_ranges
    use limber_base_text, only: as_text, newline
    use limber_monitor_function_report, only: function_warnings
    use limber_monitor_indicators, only: indicators_type, body_indicators_type, indicator_value, indicator_time, &
-      & indicator_names, indicator_meanings, layer_errors, drawn_parts, peak_unstretched, peak_growth, slow, &
+      & indicator_names, indicator_meanings, layer_errors, peak_unstretched, peak_growth, slow, &
       & indicator_count, indicator_deflection, indicator_slope, indicator_rotation, &
-      & indicator_compression, indicator_pace, indicator_residual, indicator_geometric, indicator_axial, indicator_coarseness, &
+      & indicator_compression, indicator_pace, indicator_residual, indicator_geometric, indicator_stiffening, &
+      & indicator_axial, indicator_coarseness, &
       & indicator_lumping, indicator_shortening, indicator_drift, indicator_elongation, indicator_recoil, &
       & indicator_buckling, indicator_layer, indicator_phase, indicator_false_damping, indicator_membrane, indicator_reaction, &
       & indicator_recoil_force, indicator_drawn, indicator_strain, indicator_sudden, sudden_errors
@@ -23,10 +24,12 @@ module limber_monitor_model_ranges
    character(*), parameter :: held_apart = ': its joints or its other members hold the ends of members apart as these bend'
    !> Forces that err near ends under tension, and under sudden loads
    character(*), parameter :: layer_names(3) = [character(17) :: 'shear forces', 'bending moments', 'moments of joints'], &
-      & sudden_names(5) = [character(17) :: 'axial forces', 'shear forces', 'bending moments', &
-      & 'forces of joints', 'moments of joints']
+      & sudden_names(5) = [character(29) :: 'axial forces', 'shear forces', 'bending moments', &
+      & 'forces of joints and drivers', 'moments of joints and drivers']
    !> Part of the length below which a deflection is none, and part of the largest one of the scene below which it does not matter
    real(wp), parameter :: nothing = 1.0e-9_wp, negligible = 1.0e-3_wp
+   !> Part of the length that no place shows
+   real(wp), parameter :: unseen = 1.0e-5_wp
    !> Growth of a small deflection under a compression beyond Euler's load, as a logarithm, that makes it large
    real(wp), parameter :: much = 2.0_wp
    !> Shift of vibrations beyond which only this is told
@@ -45,7 +48,7 @@ contains
       !> One of indicator_...
       integer, intent(in) :: kind
       logical :: linear
-      real(wp) :: limit
+      real(wp) :: limit, deflection
       if (indicators%is_rigid) then
          excess = rigid_excess(indicators, kind)
          return
@@ -66,12 +69,17 @@ contains
             limit = 1.0_wp
          end if
       case (indicator_geometric)
-         if (linear) limit = 0.05_wp
+         if (linear) limit = 0.03_wp
+      case (indicator_stiffening)
+         if (linear) limit = 0.03_wp
       case (indicator_axial)
          if (.not. linear) limit = 0.04_wp
       case (indicator_coarseness)
          if (.not. linear) limit = 0.05_wp
-      case (indicator_residual, indicator_lumping)
+      case (indicator_residual)
+         ! With dampers and springs internal forces err by some times as much
+         limit = merge(0.015_wp, 0.05_wp, any([indicators%shows_shear, indicators%shows_moment, indicators%shows_reaction]))
+      case (indicator_lumping)
          limit = 0.05_wp
       case (indicator_shortening)
          limit = 0.03_wp
@@ -97,7 +105,11 @@ contains
          if (.not. indicators%peak(peak_unstretched) > max(nothing, indicators%noise)) excess = 0.0_wp
          return
       end if
-      if (.not. indicator_value(indicators, indicator_deflection) > max(nothing, indicators%noise)) excess = 0.0_wp
+      deflection = indicator_value(indicators, indicator_deflection)
+      if (.not. deflection > max(nothing, indicators%noise)) excess = 0.0_wp
+      ! Phase of vibrations too small to be seen in places; internal forces show them
+      if (kind == indicator_stiffening .and. deflection*excess*limit < unseen .and. .not. any([indicators%shows_shear, &
+         & indicators%shows_moment, indicators%shows_axial])) excess = 0.0_wp
    end function excess
 
    !> Whether the axial force in its axial functions softens a body much.
@@ -225,6 +237,11 @@ contains
       case (indicator_geometric)
          text = 'deflects under axial forces whose work on the bending is '//percent//' of its elastic energy'//when// &
             & ', and '//linear//' leaves it out'
+      case (indicator_stiffening)
+         percent = 'about '//percent
+         if (indicator_value(indicators, kind) > beyond) percent = 'more than '//as_text(100*beyond, 2)//' %'
+         text = 'vibrates long enough for the work of axial forces on its bending, which '//linear//' leaves out, to shift the'// &
+            & ' vibrations by '//percent//' of the largest deflection'//when
       case (indicator_axial)
          text = 'lacks axial force that changes its deflection by about '//percent//when
          if (indicators%held) then
@@ -259,10 +276,8 @@ contains
             & ' of '//percent//' of the largest so far'//when//': axial forces and reactions err by that'
          if (body%reduced%geometric) text = text//', and by many times as much where these feed axial vibrations'
       case (indicator_drawn)
-         text = 'displacements along it (u1) err by '//percent//' of the largest'
-         if (body%is_frame) text = trim(indicators%drawing_in%asked(maxloc(drawn_parts(indicators), dim=1))%name)//' errs by '// &
-            & percent//' of its largest change'
-         text = 'is drawn in by its bending, which '//fidelity(body)//' leaves out: '//text//when
+         text = 'is drawn in by its bending, which '//fidelity(body)//' leaves out: '//trim(indicators%drawn_name)//' errs by '// &
+            & percent//' of its largest '//trim(merge('value ', 'change', index('xyud', indicators%drawn_name(1:1)) == 0))//when
       case (indicator_buckling)
          text = 'is compressed by '//as_text(indicator_value(indicators, indicator_compression), 2)//' times its Euler load'// &
             & when//', which its functions take '//as_text(100*indicators%misfit, 2)//' % too large: they do not fit how its'// &
@@ -370,7 +385,7 @@ contains
          text = 'use CORRECTIONS=YES, more MODES, or a *BOUNDARY that is like its joints'
          if (body%frame_choice%accelerations) text = 'use more MODES, or LARGE=YES'
       case (indicator_lumping, indicator_phase); text = 'use DIVISIONS='//as_text(ceiling(1.2_wp*divisions*sqrt(over)))
-      case (indicator_rotation, indicator_geometric); text = 'use GEOMETRIC=K_G'
+      case (indicator_rotation, indicator_geometric, indicator_stiffening); text = 'use GEOMETRIC=K_G'
       case (indicator_compression)
          text = 'use LARGE=YES'
          if (.not. body%reduced%geometric) text = 'use GEOMETRIC=K_G'

@@ -3,12 +3,12 @@ module limber_monitor_observation
    use limber_base_kinds, only: wp
    use limber_beam_quasistatic_deflection, only: find_deflection
    use limber_monitor_indicators, only: indicators_type, body_indicators_type, raise_peak, peak_deflection, peak_slope, &
-      & peak_rotation, peak_compression, peak_tension, peak_energy, peak_kinetic, peak_left_out, peak_geometric, peak_axial, &
-      & peak_coarse, peak_stiffness, peak_lost, peak_quartic, peak_bent, peak_stretch, &
+      & peak_rotation, peak_compression, peak_tension, peak_energy, peak_kinetic, peak_left_out, peak_axial, &
+      & peak_coarse, peak_lost, peak_quartic, peak_bent, peak_stretch, &
       & peak_unstretched, peak_strained, peak_axial_grown, peak_coarse_grown, peak_quartic_grown, peak_growth, peak_pull, &
-      & peak_own_pull, &
-      & add_vibration, raise_recoil_force
+      & peak_own_pull, add_geometric, add_vibration, raise_recoil_force, tell_drawn
    use limber_monitor_beam_shortening, only: add_shortening, observe_recoil, observe_drawn
+   use limber_monitor_drawn_channels, only: observe_drawn_channels
    use limber_beam_monitored_sections, only: monitored_sections_type
    use limber_monitor_false_damping, only: observe_false_damping
    use limber_monitor_function_watch, only: observe_functions
@@ -34,8 +34,10 @@ contains
       type(indicators_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       type(workspace_type), intent(in) :: work
-      !> Time; coordinates, velocities, accelerations (nq)
-      real(wp), intent(in) :: t, q(:), v(:), a(:)
+      !> Time
+      real(wp), intent(in) :: t
+      !> Coordinates, velocities, accelerations (nq)
+      real(wp), contiguous, intent(in) :: q(:), v(:), a(:)
       integer :: i, first, last
       call observe_functions(self%functions, system, work, t, q, v, a)
       if (size(self%bodies) == 0) return
@@ -55,7 +57,7 @@ contains
             if (.not. self%bodies(i)%is_beam) cycle
             associate (stations => self%sets(self%bodies(i)%set)%stations)
                call bend(self%bodies(i), stations, t, eta)
-               call observe_drawn(self%bodies(i), stations, system%model, t, eta)
+               call observe_drawn(self%bodies(i), stations, system%model, t, rate, a(first + 4:last), self%drawn)
                call start_amplitudes(self%bodies(i), stations, a(first:first + 1) - system%model%gravity, u, &
                   & cross(u, v(first + 2:first + 3)), cross(u, a(first + 2:first + 3)), eta, rate, a(first + 4:last))
                if (self%bodies(i)%held) cycle
@@ -72,6 +74,10 @@ contains
       call add_reactions(self, system, work, q)
       call add_loads(self, system, work, q)
       call observe_frames(self, system, work, t, q, v, a)
+      if (size(self%drawn%channels) > 0) then
+         call observe_drawn_channels(self%drawn, system, work, t, q, v, a)
+         call tell_drawn(self)
+      end if
       do i = 1, size(self%bodies)
          if (self%bodies(i)%is_rigid) then
             first = system%layout%q(self%bodies(i)%body)
@@ -390,8 +396,7 @@ contains
       call raise_peak(self, peak_compression, -load, t)
       call observe_growth(self, t, -load)
       call raise_peak(self, peak_tension, load, t)
-      call raise_peak(self, peak_geometric, abs(work), t)
-      call raise_peak(self, peak_stiffness, elastic + max(work, 0.0_wp), t)
+      call add_geometric(self, work, elastic, t)
       call raise_peak(self, peak_axial, lack, t)
       call raise_peak(self, peak_coarse, coarse, t)
       ! Where the bending follows slowly, a compression makes changes of the deflection larger

@@ -7,6 +7,7 @@ module limber_scene_first_scene
    use limber_base_text, only: as_text, newline
    use limber_scene_damping_check, only: damping_warning
    use limber_scene_law_checks, only: check_laws
+   use limber_scene_kinematic_determinacy, only: refuse_undriven
    use limber_scene_integrator_choice, only: choose_integrator
    use limber_scene_speed_jumps, only: begin_behind
    use limber_scene_scene, only: scene_type, place_of, place_of_body, starts_with_dynamics, seconds_since
@@ -86,6 +87,7 @@ contains
          call new_workspace(scene%system, scene%work)
          call assemble_scene(scene, diagnostics)
          if (diagnostics%count == 0 .and. starts_with_dynamics(model)) call check_masses(scene, diagnostics)
+         if (diagnostics%count == 0) call refuse_undriven(scene, diagnostics)
          scene%assembling = seconds_since(tick)
          if (diagnostics%count == 0 .and. starts_with_dynamics(model)) call settle_integrator(scene)
       end if

@@ -7,7 +7,7 @@ module pardons
    use couplings, only: places, angles, speeds, spins, accelerations, forces, moments, energies, stresses, powers
    implicit none
    private
-   public :: pardoned, without_near_ones, keeps_up, is_of_run, tells_of_vibrations
+   public :: drawn_words, pardoned, without_near_ones, keeps_up, is_of_run, tells_of_vibrations
 
    !> Multiple of what is told that a channel may be off
    real(wp), parameter :: multiple = 5.0_wp
@@ -19,7 +19,7 @@ module pardons
       & slip_words = 'they are off by ', phase_words = 'the motion is ', price_words = 'longer shows: up to ', &
       & inertia_words = "' errs by about "
    character(*), parameter :: kept_words = 'keeps up a vibration', unfollowed_words = 'does not follow a vibration', &
-      & beyond_functions = 'do not follow'
+      & beyond_functions = 'do not follow', drawn_words = 'is drawn in by its bending'
    !> A warning that begins below a part of something
    character(*), parameter :: grip_words = 'lost their grip but for '
    real(wp), parameter :: energy_begins = 1.0e-2_wp, ringing_begins = 1.0e-2_wp, slip_begins = 2.0e-2_wp, &

@@ -5,7 +5,7 @@ module verdicts
    use limber_base_text, only: as_text, newline
    use comparisons, only: verdict_type, scales_type, find_scales, compare, allowed_by
    use drafts, only: draft_type
-   use pardons, only: without_near_ones, is_of_run, tells_of_vibrations
+   use pardons, only: drawn_words, without_near_ones, is_of_run, tells_of_vibrations
    use plans, only: plan_type, deck_of, large_change
    use trials, only: candidate_type, try, kinds_of_warnings, patience
    use views, only: view_type, seen_again
@@ -171,6 +171,11 @@ contains
             if (fewer /= '') then
                if (is_right(view, other)) fewer = ''
             end if
+         end if
+         ! What bending draws in is told of channels along the axes of space, which a turned scene has along others
+         if (abs(view%turn) > 0.0_wp) then
+            if (index(more, drawn_words) > 0) more = ''
+            if (index(fewer, drawn_words) > 0) fewer = ''
          end if
          if (more == '' .and. fewer == '') return
          do sign = -1, 1, 2

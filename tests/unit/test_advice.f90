@@ -78,7 +78,7 @@ contains
    subroutine test_following()
       integer, parameter :: samples = 40
       real(wp) :: mobility(2, 2), stiffness(2), square(2), vectors(2, 2), times(samples), forces(2, samples), eta(2, samples)
-      real(wp) :: speed(2), largest
+      real(wp) :: speed(2), swing(2), largest
       real(wp) :: mode(2, 2), lambda(2), t, x, part
       logical :: done
       integer :: i, k
@@ -94,7 +94,7 @@ contains
       times = [(0.3_wp*(k - 1), k=1, samples)]
       forces(1, :) = times
       forces(2, :) = 0.0_wp
-      call follow_forces(times, forces, stiffness, square, vectors, eta, speed)
+      call follow_forces(times, forces, stiffness, square, vectors, eta, speed, swing=swing)
       do k = 1, samples
          t = times(k)
          do i = 1, 2
@@ -108,6 +108,14 @@ contains
       call check_close(speed(1), largest, 1.0e-12_wp, 'largest speed of the first coordinate')
       largest = maxval(abs(0.125_wp*(cos(2*times) - cos(sqrt(12.0_wp)*times))))
       call check_close(speed(2), largest, 1.0e-12_wp, 'largest speed of the second coordinate')
+      largest = maxval(abs(0.125_wp*(sin(2*times)/2 + sin(sqrt(12.0_wp)*times)/sqrt(12.0_wp))))
+      call check_close(swing(1), largest, 1.0e-12_wp, 'what vibrates of the first coordinate')
+      ! Constant forces: vibrations about the rest, none if it begins there
+      forces = 1.0_wp
+      call follow_forces(times, forces, stiffness, square, vectors, eta, speed, swing=swing)
+      call check_close(swing(1), 0.25_wp, 1.0e-12_wp, 'a sudden force makes it vibrate by what it makes at rest')
+      call follow_forces(times, forces, stiffness, square, vectors, eta, speed, .true., swing)
+      call check(all(swing < 1.0e-14_wp) .and. all(abs(eta - 0.25_wp) < 1.0e-14_wp), 'nothing vibrates that begins in balance')
    end subroutine test_following
 
    !> The first coordinate: a stiffness that the axial force doubles.

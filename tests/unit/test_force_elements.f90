@@ -361,8 +361,8 @@ contains
       call complains('*TORQUE, NAME=f, POINT=bead'//newline//' 1', "'bead' is a point mass and does not turn")
       call complains('*SPRING, NAME=f'//newline//' bead, block', "spring 'f' does nothing")
       call complains('*SPRING, NAME=f, TYPE=ROTATIONAL, LENGTH=2'//newline//' arm.end, block, x', &
-         & 'LENGTH is of springs of TYPE=TRANSLATIONAL')
-      call complains('*SPRING, NAME=f, ANGLE=2'//newline//' arm.end, block, x', 'ANGLE is of springs of TYPE=ROTATIONAL')
+         & 'LENGTH means nothing with TYPE=ROTATIONAL')
+      call complains('*SPRING, NAME=f, ANGLE=2'//newline//' arm.end, block, x', 'ANGLE means nothing with TYPE=TRANSLATIONAL')
       call complains('*SPRING, NAME=f, TYPE=ROTATIONAL'//newline//' block.corner, block, x', &
          & "spring 'f' turns a body against itself")
       call complains('*SPRING, NAME=f'//newline//' bead, block, x, v', 'a data line of *SPRING has 2 to 3 fields')

@@ -1,5 +1,5 @@
 !> One mistake makes one error: each line of models/mistakes.txt puts one into models/mistakes.inp, and says which error it makes
-!> and how its remedy begins. Usage, in tests/: test_mistakes
+!> and how its remedy begins; so does models/mistakes_frame.txt, of frames. Usage, in tests/: test_mistakes
 program test_mistakes
    use limber_base_error, only: error_type
    use limber_base_text, only: newline
@@ -9,23 +9,32 @@ program test_mistakes
    use limber_scene_scene, only: scene_type
    use testing, only: check, finish
    implicit none
-   character(:), allocatable :: deck, mistakes
-   integer :: first, last
+   character(:), allocatable :: deck
 
-   deck = contents('models/mistakes.inp')
-   mistakes = contents('models/mistakes.txt')
-   call check(count_of(answer(deck), 'error: ') == 0, 'the deck without a mistake')
-   first = 1
-   do while (first <= len(mistakes))
-      last = first + index(mistakes(first:), newline) - 2
-      if (mistakes(first:first) /= '#') call check_mistake(mistakes(first:last))
-      first = last + 2
-   end do
+   call check_mistakes('models/mistakes_frame')
+   call check_mistakes('models/mistakes')
    call check_warnings()
-   deallocate (deck, mistakes)
+   deallocate (deck)
    call finish()
 
 contains
+
+   !> All lines of a list.
+   subroutine check_mistakes(name)
+      !> Of the deck and the list, without their endings
+      character(*), intent(in) :: name
+      character(:), allocatable :: mistakes
+      integer :: first, last
+      deck = contents(name//'.inp')
+      mistakes = contents(name//'.txt')
+      call check(count_of(answer(deck), 'error: ') == 0, 'the deck without a mistake: '//name)
+      first = 1
+      do while (first <= len(mistakes))
+         last = first + index(mistakes(first:), newline) - 2
+         if (mistakes(first:first) /= '#') call check_mistake(mistakes(first:last))
+         first = last + 2
+      end do
+   end subroutine check_mistakes
 
    !> A line of the list.
    subroutine check_mistake(line)

@@ -12,10 +12,11 @@ program test_model
       & 'dead_centre', 'dead_rod', 'driven_against_joint', 'driven_point_mass', 'driven_twice', 'end_before_start', 'frame', &
       & 'joint_to_itself', 'joints', 'loads', 'motion', 'no_body', 'no_branch', 'no_output', 'origin_outside', 'point_names', &
       & 'point_off_beam', 'points', 'section', 'section_missing', 'segments', 'along', 'spread_loads', 'too_many_bending_modes', &
-      & 'too_many_modes', 'turns_apart', 'welds', 'large_frame', 'moved_whole', 'held_rod', 'switches', 'controls']
+      & 'too_many_modes', 'turns_apart', 'welds', 'large_frame', 'moved_whole', 'held_rod', 'switches', 'controls', &
+      & 'undriven_redundant']
    character(*), parameter :: warned(*) = [character(32) :: 'warn_exact_options', 'warn_no_tension', &
       & 'warn_redundant_coupler', 'warn_redundant_joint', 'warn_redundant_beam', 'warn_singular', 'warn_ramp', 'warn_ramp_load', &
-      & 'warn_springs']
+      & 'warn_springs', 'warn_idle', 'warn_idle_model', 'warn_unused', 'warn_kept']
 
    do i = 1, size(refused)
       call check_refused(trim(refused(i)))

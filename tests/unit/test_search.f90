@@ -48,6 +48,11 @@ contains
       call check(next_trial(e) == measure_strain, 'strain is last')
       e%strain_known = .true.
       call check(next_trial(e) == keep, 'and only once')
+      e = known(3.0e-4_wp, 3.0e-4_wp)
+      e%looks_strain = .true.
+      call check(next_trial(e) == measure_strain, 'nothing is kept without a look at it')
+      e%strain_known = .true.
+      call check(next_trial(e) == keep, 'once as well')
       e = known(3.0e-4_wp, -1.0_wp)
       e%has_beams = .false.
       call check(next_trial(e) == keep .and. is_complete(e), 'rigid bodies have no functions')

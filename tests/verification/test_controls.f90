@@ -363,7 +363,8 @@ contains
             & '*SPRING, NAME=s, STIFFNESS=50'//nl//' p, ground.origin'//nl// &
             & '*CONTROL, NAME=large, TYPE=INTEGRATOR, GAIN=1e8, SCALE=1e6'//nl//' x(p)'//nl// &
             & '*CONTROL, NAME=still, TYPE=INTEGRATOR'//nl//' 0'//nl, trim(integrators(n)), 'END=1, OUTPUTS=10', &
-            & ' output(still), e = kinetic_energy(system) + potential_energy(system), momentum_x(system), vx(p)', reader)
+            & ' output(still), output(large), e = kinetic_energy(system) + potential_energy(system), momentum_x(system), vx(p)', &
+            & reader)
          values = channel(reader, 'output_still')
          call check(.not. any(abs(values) > 0.0_wp), trim(integrators(n))//': a state does not fall')
          values = channel(reader, 'e')

@@ -104,8 +104,8 @@ contains
    !> with any model those of equilibrium.
    subroutine check_sections()
       character(*), parameter :: modes = 'SUPPORT=CLAMPED-FREE, ELEMENTS=60, BENDING MODES=3', &
-         & parts = '*NODE'//nl//' 1, 0, 0, start'//nl// &
-         & ' 2, 1, 0, end'//nl//'*ELEMENT'//nl//' 1, 1, 2'//nl//'*BOUNDARY'//nl//' 1, 1, 6'//nl
+         & members = '*NODE'//nl//' 1, 0, 0, start'//nl//' 2, 1, 0, end'//nl//'*ELEMENT'//nl//' 1, 1, 2'//nl, &
+         & parts = members//'*BOUNDARY'//nl//' 1, 1, 6'//nl
       call check_section('exact beam', '*BEAM, LENGTH=1', ' mid, 0.5'//nl)
       call check_section('K_G beam', '*BEAM, LENGTH=1, GEOMETRIC=K_G, AXIAL MODES=1, '//modes, ' mid, 0.5'//nl)
       call check_section('K_G beam, responses', '*BEAM, LENGTH=1, GEOMETRIC=K_G, AXIAL MODES=1, CORRECTIONS=YES, '//modes, &
@@ -114,7 +114,7 @@ contains
       call check_section('frame', '*FRAME, DIVISIONS=60', ' mid, 1, 0.5'//nl//parts)
       call check_section('LINEAR frame', '*FRAME, DIVISIONS=60, GEOMETRIC=LINEAR', ' mid, 1, 0.5'//nl//parts)
       call check_section('frame of few modes', '*FRAME, DIVISIONS=60, MODES=2', ' mid, 1, 0.5'//nl//parts)
-      call check_section('frame of exact beams', '*FRAME, LARGE=YES', ' mid, 1, 0.5'//nl//parts)
+      call check_section('frame of exact beams', '*FRAME, LARGE=YES', ' mid, 1, 0.5'//nl//members)
    end subroutine check_sections
 
    !> Forces in the middle when the bar has turned by 1: weight and centrifugal force of the outer half.

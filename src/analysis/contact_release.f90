@@ -1,5 +1,5 @@
 !> Search for the instant in a step at which a contact that rests would begin to pull: the first zero of the least force of all that
-!> are closed, along the dense output. Floor: analysis. Source: doc/theory, eq. (5.86).
+!> are closed, along the dense output. Floor: analysis. Source: doc/theory, eq. (5.91).
 module limber_analysis_contact_release
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type

@@ -175,7 +175,7 @@ contains
       call set_states(scene, t, on, turning, self%tolerance, sample, renewed, outcome, error)
       if (allocated(error)) return
       before = energy_of(scene, sample)
-      call strike(self, events, scene, t, closed, touched, sample, on, outcome, error)
+      call strike(self, events, scene, t, closed, touched, recorder, sample, on, outcome, error)
       if (allocated(error)) return
       call set_switches(scene%system, scene%work, on, closes)
       if (closes) call close_contacts(scene, t, sample, error)
@@ -204,13 +204,14 @@ contains
    end subroutine close_contacts
 
    !> Impulses of all contacts at an instant, and which are closed behind it. All are open in the system.
-   subroutine strike(self, events, scene, t, closed, touched, sample, on, outcome, error)
+   subroutine strike(self, events, scene, t, closed, touched, recorder, sample, on, outcome, error)
       type(contacts_type), intent(inout) :: self
       type(events_type), intent(inout) :: events
       type(scene_type), intent(inout) :: scene
       real(wp), intent(in) :: t
       !> Which were closed before, which have just touched (contacts)
       logical, intent(in) :: closed(:), touched(:)
+      type(recorder_type), intent(inout) :: recorder
       type(sample_type), intent(inout) :: sample
       !> Switches of the contacts are set (switches)
       logical, intent(inout) :: on(:)
@@ -243,6 +244,7 @@ contains
             call note_contact(self, events, system, t, list(i), closed(list(i)), touched(list(i)), low*scale(list(i)), &
                & set%mobility(i, i), impact, i, outcome)
          end do
+         recorder%lost(list) = recorder%lost(list) - impact%energies()
          self%hold = minval(self%rest)
          self%until = huge(t)
          call check_gain(self, system, t, list, impact, outcome)
@@ -265,7 +267,7 @@ contains
       !> Its place in the impact
       integer, intent(in) :: i
       type(outcome_type), intent(inout) :: outcome
-      real(wp) :: change
+      real(wp) :: change, energies(size(impact%impulse))
       logical :: strikes, added
       integer :: turned
       change = impact%impulse(i)*mobility
@@ -281,8 +283,8 @@ contains
       if (.not. impact%rests(i) .or. turned == 1) self%rest(contact) = huge(t)
       if (.not. strikes .and. turned == 0) return
       call add_row(events, t, system%model%contacts(contact)%event, merge(1, -1, turned < 0), outcome, added)
-      if (added) call outcome%events%strike(turned, merge(0.5_wp*(impact%before(i) + impact%behind(i))*impact%impulse(i), 0.0_wp, &
-         & strikes), merge(impact%impulse(i), 0.0_wp, strikes))
+      energies = impact%energies()
+      if (added) call outcome%events%strike(turned, merge(energies(i), 0.0_wp, strikes), merge(impact%impulse(i), 0.0_wp, strikes))
    end subroutine note_contact
 
    !> Notes that contacts have come to rest: the times at which their bounces would have ended are reached.
@@ -334,7 +336,7 @@ contains
       type(impact_type), intent(in) :: impact
       type(outcome_type), intent(inout) :: outcome
       real(wp) :: parts(size(list))
-      parts = 0.5_wp*(impact%before + impact%behind)*impact%impulse
+      parts = impact%energies()
       if (self%told .or. sum(parts) <= gained*sum(abs(impact%before*impact%impulse))) return
       call warn(outcome, "the impact at stop '"//system%model%contacts(list(maxloc(parts, dim=1)))%name//"' at t = "// &
          & as_text(t, 8)//' gains '//as_text(sum(parts), 3)//' of energy: several stops meet there, and the law of Newton with'// &

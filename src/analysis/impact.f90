@@ -1,6 +1,6 @@
 !> An impact at gaps that are closed: impulses by the law of Newton, and which contacts rest behind it. A contact rests if what is
 !> left of its bounces is below what the search for touches resolves; the time they would take is their geometric sum. Floor:
-!> analysis. Source: doc/theory, eqs. (5.81)-(5.85).
+!> analysis. Source: doc/theory, eqs. (5.86)-(5.90).
 module limber_analysis_impact
    use limber_base_kinds, only: wp
    use limber_multibody_complementarity, only: solve_complementarity
@@ -24,9 +24,18 @@ module limber_analysis_impact
       real(wp), allocatable :: remaining(:)
       !> False if no impulses end the approach: what is met there does not give way
       logical :: solved = .true.
+   contains
+      procedure :: energies
    end type impact_type
 
 contains
+
+   !> Changes of the kinetic energy by the impulses of the contacts, eq. (5.88) (n).
+   pure function energies(self)
+      class(impact_type), intent(in) :: self
+      real(wp) :: energies(size(self%impulse))
+      energies = 0.5_wp*(self%before + self%behind)*self%impulse
+   end function energies
 
    !> Finds the impulses, and changes the velocities by them. `linearise` at the state comes first, with all contacts open.
    subroutine find_impact(system, work, set, q, restitution, height, may_rest, v, impact)
@@ -68,7 +77,7 @@ contains
       impact%rests = rest .and. impact%force > 0.0_wp
    end subroutine find_impact
 
-   !> Forces of contacts that rest, eq. (5.84), and which rest besides, eq. (5.85): those so slow that what is left of their bounces
+   !> Forces of contacts that rest, eq. (5.89), and which rest besides, eq. (5.90): those so slow that what is left of their bounces
    !> is low. A contact may be pressed down by another one that rests.
    subroutine press(may_rest, impact, mobility, free, scale, height, e, rest, more)
       logical, intent(in) :: may_rest(:)

@@ -10,7 +10,7 @@ module limber_elements_stop
    use limber_deck_parameters, only: parameter_list_type
    use limber_deck_schema, only: keyword_type, option_spec_type, field_spec_type, word_spec_type, keyword_rows_type, many, needed, &
       & kind_name, kind_reference, kind_real, kind_positive, kind_nonnegative, kind_word, kind_point, form_fields
-   use limber_model_contacts, only: append_contact
+   use limber_model_rigid_stops, only: append_contact
    use limber_model_element, only: element_type
    use limber_model_joint_coordinates, only: free_motion
    use limber_model_joint_list, only: find_joint

@@ -18,7 +18,7 @@ module limber_model_build
    use limber_model_body_damping, only: add_damping
    use limber_model_event_checks, only: check_events
    use limber_model_element, only: elements, find_element
-   use limber_model_contacts, only: add_touches, check_contacts
+   use limber_model_rigid_stops, only: add_touches, check_contacts
    use limber_model_curve_block, only: check_curve
    use limber_model_control_checks, only: check_controls
    use limber_model_control_laws, only: insert_outputs

@@ -18,7 +18,7 @@ module limber_model_model
    public :: model_type, body_type, whole_type, point_type, joint_type, function_term_type, term_type, driver_type
    public :: deflection_type
    public :: load_part_type, distributed_load_type, named_load_type, scalar_type, event_type, switch_type, control_type
-   public :: contact_type
+   public :: limit_contact_type
    public :: dynamics_type, analysis_step_type, channel_type, quantity_type, dimension_type, units_type
 
    !> Kinds of bodies: a point mass has a position only, other bodies also have a direction
@@ -380,7 +380,7 @@ module limber_model_model
    end type switch_type
 
    !> A limit of a rigid stop: the gap  side (s - limit)  cannot be negative, s as of its load without its free length
-   type :: contact_type
+   type :: limit_contact_type
       !> Name in the table of events: that of the stop, with two limits also which of them
       character(:), allocatable :: name
       !> Index of the named load that has s, of the switch that is on while the contact is closed, of the event of the touch
@@ -391,7 +391,7 @@ module limber_model_model
       real(wp) :: limit = 0.0_wp, restitution = 0.0_wp
       !> Index of its block in the deck, for messages
       integer :: block = 0
-   end type contact_type
+   end type limit_contact_type
 
    !> A control: its output is a function of its states and inputs, which any law may depend on
    type :: control_type
@@ -533,7 +533,7 @@ module limber_model_model
       type(event_type), allocatable :: events(:)
       type(switch_type), allocatable :: switches(:)
       type(control_type), allocatable :: controls(:)
-      type(contact_type), allocatable :: contacts(:)
+      type(limit_contact_type), allocatable :: contacts(:)
       !> True for motion records: samples of the coordinates of all bodies, for drawings
       logical :: motion = .false.
       type(assembly_choice_type) :: assembly

@@ -1,6 +1,6 @@
 !> Linear complementarity problems: z and w = G z + b, both at least zero, one of each pair zero. Lemke's method, which ends at a
 !> solution for symmetric G without negative eigenvalues, if there is one. Its solution is basic: columns of G whose z is positive
-!> are independent. Floor: multibody. Source: doc/theory, eq. (5.82); cottle1992, section 4.4.
+!> are independent. Floor: multibody. Source: doc/theory, eqs. (5.87), (5.89); cottle1992, section 4.4.
 module limber_multibody_complementarity
    use limber_base_kinds, only: wp
    implicit none

@@ -1,5 +1,5 @@
 !> Contacts of rigid stops as constraints: each keeps its scalar at the limit while it is closed. Floor: multibody. Source:
-!> doc/theory, eq. (5.80).
+!> doc/theory, eq. (5.85).
 module limber_multibody_contact_constraints
    use limber_base_kinds, only: wp
    use limber_model_model, only: along_angle, along_distance

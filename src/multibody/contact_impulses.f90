@@ -1,6 +1,6 @@
 !> Contacts of rigid stops at a state: gaps, what impulses at them do, and accelerations of the gaps. All contacts are open in the
 !> system, so that impulses and forces at them act on what joints and drivers leave free. Floor: multibody. Source: doc/theory,
-!> eqs. (5.80), (5.81), (5.83).
+!> eqs. (5.85), (5.86), (5.89).
 module limber_multibody_contact_impulses
    use limber_base_kinds, only: wp
    use limber_model_model, only: ground
@@ -150,7 +150,7 @@ contains
       call normalise_frames(system%layout, q)
    end subroutine lift_gaps
 
-   !> Changes velocities by impulses at gaps, eq. (5.81).
+   !> Changes velocities by impulses at gaps, eq. (5.86).
    subroutine add_impulses(system, work, set, impulses, v)
       type(system_type), intent(in) :: system
       !> Kinematics are placed
@@ -178,7 +178,7 @@ contains
       end do
    end subroutine add_impulses
 
-   !> Accelerations of gaps without forces at them, eq. (5.83), and what their round-off is relative to; `linearise` comes first.
+   !> Accelerations of gaps without forces at them, eq. (5.89), and what their round-off is relative to; `linearise` comes first.
    subroutine gap_accelerations(system, work, set, q, v, acceleration, scale)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work

@@ -2,7 +2,7 @@
 module limber_output_load_channels
    use limber_base_kinds, only: wp
    use limber_model_quantities, only: quantity_force_x, quantity_force_y, quantity_moment, quantity_power, quantity_elongation, &
-      & quantity_rate, quantity_tension, quantity_torque
+      & quantity_rate, quantity_tension, quantity_torque, quantity_closed
    use limber_model_model, only: quantity_type
    use limber_multibody_contact_impulses, only: contact_push
    use limber_multibody_force_elements, only: force_element_type
@@ -35,6 +35,8 @@ contains
             value = force(merge(1, 2, quantity%kind == quantity_force_x))
          case (quantity_moment)
             value = spring_value(system%loads(last)%item, work%kinematics, quantity_moment)
+         case (quantity_closed)
+            if (any(system%model%contacts%load == quantity%of .and. system%on(system%model%contacts%switch))) value = 1.0_wp
          case default
             value = spring_value(system%loads(first)%item, work%kinematics, quantity%kind)
             if (quantity%kind == quantity_tension .or. quantity%kind == quantity_torque) value = value &

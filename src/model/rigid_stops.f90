@@ -1,6 +1,6 @@
 !> Contacts of rigid stops: each limit is a contact with a switch of its own, which is on while it is closed, and an event, its
 !> touch. What cannot have rigid stops is refused. Floor: model. Source: doc/theory, section 5.22.
-module limber_model_contacts
+module limber_model_rigid_stops
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
    use limber_deck_compile, only: compile
@@ -9,7 +9,7 @@ module limber_model_contacts
    use limber_deck_expression, only: expression_type
    use limber_deck_parameters, only: parameter_list_type
    use limber_model_control_laws, only: append_event
-   use limber_model_model, only: model_type, contact_type, event_type, switch_type, event_switch, turn_on, step_kinematics, &
+   use limber_model_model, only: model_type, limit_contact_type, event_type, switch_type, event_switch, turn_on, step_kinematics, &
       & step_inverse, step_statics, step_modes, step_dynamics
    implicit none
    private
@@ -23,10 +23,10 @@ contains
       !> Index of the stop's block
       integer, intent(in) :: block
       character(*), intent(in) :: name
-      !> As in `contact_type`
+      !> As in `limit_contact_type`
       integer, intent(in) :: side
       real(wp), intent(in) :: limit, restitution
-      type(contact_type), allocatable :: longer(:)
+      type(limit_contact_type), allocatable :: longer(:)
       integer :: n
       n = size(model%contacts) + 1
       allocate (longer(n))
@@ -40,7 +40,7 @@ contains
       call move_alloc(longer, model%contacts)
    end subroutine append_contact
 
-   !> Adds switch and event of each contact, behind all that the deck has: the gap, eq. (5.80), falls below zero.
+   !> Adds switch and event of each contact, behind all that the deck has: the gap, eq. (5.85), falls below zero.
    subroutine add_touches(deck, model, diagnostics)
       type(deck_type), intent(in) :: deck
       type(model_type), intent(inout) :: model
@@ -76,7 +76,7 @@ contains
    !> The gap as an expression: the elongation of the stop counts from its first limit.
    function gap_text(model, contact) result(text)
       type(model_type), intent(in) :: model
-      type(contact_type), intent(in) :: contact
+      type(limit_contact_type), intent(in) :: contact
       character(:), allocatable :: text
       real(wp) :: shift
       shift = contact%limit - model%load_parts(model%loads(contact%load)%first)%origin
@@ -131,4 +131,4 @@ contains
       end do
    end function refusing
 
-end module limber_model_contacts
+end module limber_model_rigid_stops

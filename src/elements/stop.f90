@@ -38,13 +38,15 @@ module limber_elements_stop
       & option_spec_type('STOP', 'LAW', kind_word, 'SPRING|RIGID', '', 'SPRING', &
       &    'SPRING: a force beyond the limit; RIGID: the limit is never passed'), &
       & option_spec_type('STOP', 'RESTITUTION', kind_nonnegative, '', '', '0', &
-      &    'RIGID: speed behind an impact over that before it, 0 to 1'), &
+      &    'RIGID: speed behind an impact over that before it, 0 to 1', only='LAW=RIGID'), &
       & option_spec_type('STOP', 'STIFFNESS', kind_positive, '', 'N/m, N m/rad', '', &
-      &    'SPRING, needed: force for each unit beyond the limit; with EXPONENT for each unit to this power'), &
+      &    'SPRING, needed: force for each unit beyond the limit; with EXPONENT for each unit to this power', &
+      &    only='LAW=SPRING'), &
       & option_spec_type('STOP', 'EXPONENT', kind_positive, '', '', '1', &
-      &    'power of the depth beyond the limit, 1 at least; 1.5: balls, cylinders (Hertz)'), &
+      &    'power of the depth beyond the limit, 1 at least; 1.5: balls, cylinders (Hertz)', only='LAW=SPRING'), &
       & option_spec_type('STOP', 'DAMPING', kind_nonnegative, '', 's/m, s/rad', '0', &
-      &    'grows the force by this part per speed into the stop (Hunt and Crossley); its energy then counts as work')]
+      &    'grows the force by this part per speed into the stop (Hunt and Crossley); its energy then counts as work', &
+      &    only='LAW=SPRING')]
    !> Fields of its data lines
    type(field_spec_type), parameter :: fields(*) = [ &
       & field_spec_type('STOP', 'first point', kind_point, '', &
@@ -120,24 +122,17 @@ contains
          & block%real('MOST'), block%real('RESTITUTION'))
    end subroutine add_contacts
 
-   !> Reports options that do not fit the law.
+   !> Reports what the law needs and cannot have.
    subroutine check_law(block, diagnostics)
       type(block_type), intent(in) :: block
       type(diagnostics_type), intent(inout) :: diagnostics
-      character(*), parameter :: of_springs(*) = [character(9) :: 'STIFFNESS', 'EXPONENT', 'DAMPING'], &
-         & of_switches(*) = [character(8) :: 'ACTIVE', 'INACTIVE']
+      character(*), parameter :: of_switches(*) = [character(8) :: 'ACTIVE', 'INACTIVE']
       integer :: i
       if (.not. is_rigid(block)) then
          if (.not. block%has('STIFFNESS')) call diagnostics%add(block%origin, "stop '"//block%name()//"' has no STIFFNESS", &
             & 'add STIFFNESS=, or LAW=RIGID')
-         if (block%given('RESTITUTION')) call diagnostics%add(block%origin_of('RESTITUTION'), "stop '"//block%name()// &
-            & "' is a spring: it has no RESTITUTION", 'add LAW=RIGID, or write DAMPING=')
          return
       end if
-      do i = 1, size(of_springs)
-         if (block%given(trim(of_springs(i)))) call diagnostics%add(block%origin_of(trim(of_springs(i))), "stop '"// &
-            & block%name()//"' is rigid: it has no "//trim(of_springs(i)), 'remove it, or LAW=RIGID')
-      end do
       do i = 1, size(of_switches)
          if (block%has(trim(of_switches(i)))) call diagnostics%add(block%origin_of(trim(of_switches(i))), "stop '"// &
             & block%name()//"' is rigid: no switch turns it off", 'remove '//trim(of_switches(i))//', or give a STIFFNESS'// &
@@ -146,8 +141,8 @@ contains
       if (block%real('RESTITUTION') > 1.0_wp) call diagnostics%add(block%origin_of('RESTITUTION'), 'RESTITUTION='// &
          & as_text(block%real('RESTITUTION'))//' makes each impact gain energy', 'give a number from 0 to 1')
       if (.not. (block%given('LEAST') .and. block%given('MOST'))) return
-      if (.not. block%real('LEAST') < block%real('MOST')) call diagnostics%add(block%origin_of('MOST'), "stop '"//block%name()// &
-         & "' is rigid and leaves no way between its limits", 'let MOST be above LEAST')
+      if (.not. abs(block%real('MOST') - block%real('LEAST')) > 0.0_wp) call diagnostics%add(block%origin_of('MOST'), &
+         & "stop '"//block%name()//"' is rigid and leaves no way between its limits", 'let MOST be above LEAST')
    end subroutine check_law
 
    !> Reports a stop without limits, and limits in the wrong order.

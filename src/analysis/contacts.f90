@@ -12,7 +12,6 @@ module limber_analysis_contacts
    use limber_analysis_switched_start, only: set_states
    use limber_integrator_integrator, only: integrator_type
    use limber_multibody_contact_impulses, only: gap_set_type, read_gaps, new_gap_set, lift_gaps
-   use limber_multibody_equations_of_motion, only: mechanical_energy
    use limber_multibody_projection, only: settle
    use limber_multibody_switching, only: set_switches, find_redundant
    use limber_multibody_system, only: system_type, number_of_contacts
@@ -153,7 +152,6 @@ contains
       type(outcome_type), intent(inout) :: outcome
       type(error_type), allocatable, intent(out) :: error
       logical :: closed(size(self%rest)), touched(size(self%rest)), on(size(scene%system%on)), turning(size(events%turning))
-      real(wp) :: before
       logical :: closes
       integer :: i
       turning = events%turning
@@ -174,34 +172,38 @@ contains
       end do
       call set_states(scene, t, on, turning, self%tolerance, sample, renewed, outcome, error)
       if (allocated(error)) return
-      before = energy_of(scene, sample)
       call strike(self, events, scene, t, closed, touched, recorder, sample, on, outcome, error)
       if (allocated(error)) return
       call set_switches(scene%system, scene%work, on, closes)
-      if (closes) call close_contacts(scene, t, sample, error)
+      call settle_contacts(scene, t, closes, sample, error)
       renewed = renewed .or. closes
-      sample%w = sample%w + energy_of(scene, sample) - before
    end subroutine turn_states
 
-   !> Kinetic and potential energy at a sample.
-   real(wp) function energy_of(scene, sample) result(energy)
-      type(scene_type), intent(inout) :: scene
-      type(sample_type), intent(in) :: sample
-      real(wp) :: kinetic, potential
-      call mechanical_energy(scene%system, scene%work, sample%q, sample%v, kinetic, potential)
-      energy = kinetic + potential
-   end function energy_of
-
-   !> Brings a state onto contacts that have closed.
-   subroutine close_contacts(scene, t, sample, error)
+   !> Brings a state onto contacts that have closed, and lifts it where others are below zero by the error of positions.
+   subroutine settle_contacts(scene, t, closes, sample, error)
       type(scene_type), intent(inout) :: scene
       real(wp), intent(in) :: t
+      !> Whether some have closed
+      logical, intent(in) :: closes
       type(sample_type), intent(inout) :: sample
       type(error_type), allocatable, intent(out) :: error
+      real(wp), allocatable :: gap(:), rate(:), scale(:)
+      integer, allocatable :: list(:)
       real(wp) :: residual
-      call find_redundant(scene%system, scene%work, t, sample%q, error)
-      if (.not. allocated(error)) call settle(scene%system, scene%work, t, sample%q, sample%v, sample%a, .true., residual, error)
-   end subroutine close_contacts
+      type(gap_set_type) :: set
+      integer :: i, n
+      n = number_of_contacts(scene%system%model)
+      allocate (gap(n), rate(n), scale(n))
+      if (closes) call find_redundant(scene%system, scene%work, t, sample%q, error)
+      if (allocated(error)) return
+      call settle(scene%system, scene%work, t, sample%q, sample%v, sample%a, .true., residual, error)
+      if (allocated(error)) return
+      call read_gaps(scene%system, scene%work, t, sample%q, sample%v, gap, rate, scale)
+      list = pack([(i, i=1, n)], gap < 0.0_wp .and. .not. closed_contacts(scene%system))
+      if (size(list) == 0) return
+      call new_gap_set(scene%system, scene%work, list, set)
+      call lift_gaps(scene%system, scene%work, set, gap(list), sample%q, sample%v)
+   end subroutine settle_contacts
 
    !> Impulses of all contacts at an instant, and which are closed behind it. All are open in the system.
    subroutine strike(self, events, scene, t, closed, touched, recorder, sample, on, outcome, error)
@@ -230,7 +232,6 @@ contains
          list = pack([(i, i=1, size(closed))], closed .or. touched .or. gap <= scale)
          if (size(list) == 0) return
          call new_gap_set(system, work, list, set)
-         call lift_gaps(system, work, set, gap(list), sample%q, sample%v)
          allocate (impact%before(size(list)))
          impact%before = rate(list)
          call find_impact(system, work, set, sample%q, system%model%contacts(list)%restitution, low*scale(list), &
@@ -244,6 +245,7 @@ contains
             call note_contact(self, events, system, t, list(i), closed(list(i)), touched(list(i)), low*scale(list(i)), &
                & set%mobility(i, i), impact, i, outcome)
          end do
+         sample%w = sample%w + sum(impact%energies())
          recorder%lost(list) = recorder%lost(list) - impact%energies()
          self%hold = minval(self%rest)
          self%until = huge(t)

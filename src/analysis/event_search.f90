@@ -267,13 +267,16 @@ contains
       type(range_type) :: range
       real(wp) :: near
       integer :: i, crossed, open
+      logical :: beyond(size(self%side))
       crossed = 0
       open = 0
+      beyond = .false.
       do i = 1, size(self%side)
          if (self%side(i) == 0 .or. self%without(i)) cycle
          if (is_beyond(self, system, b, i)) then
             crossed = i
             open = open + 1
+            beyond(i) = .true.
          else if (.not. self%coarse(i)) then
             range = range_between(system%events(i), i, a, b)
             near = 0.0_wp
@@ -295,6 +298,10 @@ contains
       end if
       if (crossed > 0 .and. open == 1) then
          call polish(self, system, work, integrator, a, b, crossed, crossing)
+         return
+      end if
+      if (crossed > 0 .and. open == count(beyond) .and. b%t - a%t <= none*self%h) then
+         call polish_all()
          return
       end if
       if (crossed < 0 .and. b%t - a%t <= none*self%h) then
@@ -322,6 +329,17 @@ contains
          real(wp), intent(in) :: t
          crossing = event_crossing_type(.true., event, -self%side(event), t)
       end subroutine take
+
+      !> Several that cross at nearly the same instant: the first one.
+      subroutine polish_all()
+         type(event_crossing_type) :: one
+         integer :: event
+         do event = 1, size(beyond)
+            if (.not. beyond(event)) cycle
+            call polish(self, system, work, integrator, a, b, event, one)
+            if (.not. crossing%found .or. one%t < crossing%t) crossing = one
+         end do
+      end subroutine polish_all
 
    end subroutine search
 

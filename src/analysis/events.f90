@@ -31,9 +31,9 @@ module limber_analysis_events
       !> Whether it has been told of that it cannot be resolved, that it grazes zero (2, events); that no more rows are noted
       logical, allocatable, private :: told(:, :)
       logical, private :: full = .false.
-      !> Time at which the step that is done again is to end, and the crossing there
+      !> Time at which the step that is done again is to end, and the directions of the crossings there, 0: none (events)
       real(wp) :: hold = huge(1.0_wp)
-      type(event_crossing_type), private :: held
+      integer, allocatable, private :: held(:)
       !> Which events turn their switch at the end of the last step (events), and the times of the last turns, the latest first
       logical, allocatable :: turning(:)
       real(wp), private :: turns(remembered) = -huge(1.0_wp)
@@ -58,6 +58,7 @@ contains
       call start_search(self%search, system, work, t, q, v, tolerance)
       allocate (self%counts(size(system%events)), source=0)
       allocate (self%turning(size(system%events)), source=.false.)
+      allocate (self%held(size(system%events)), source=0)
       allocate (self%told(2, size(system%events)), source=.false.)
    end subroutine start_events
 
@@ -94,7 +95,7 @@ contains
       real(wp), parameter :: brief = 1.0e-7_wp
       type(event_crossing_type) :: crossing
       real(wp) :: last
-      integer :: sides(size(self%counts)), counts(size(self%counts)), rows, does
+      integer :: sides(size(self%counts)), counts(size(self%counts)), rows, does, i
       action = 0
       again = .false.
       self%turning = .false.
@@ -104,14 +105,17 @@ contains
       rows = outcome%events%count
       do
          call find_first(self%search, scene%system, scene%work, integrator, last, crossing)
-         if (.not. crossing%found .and. action == 0 .and. t >= self%hold - near) then
-            ! By round-off, or the error of its output, a step may end right before the crossing at which it is held
-            crossing = self%held
-            crossing%t = t
+         if (.not. crossing%found .and. t >= self%hold - near .and. any(self%held /= 0)) then
+            ! By round-off, or the error of its output, a step may end right before the crossings at which it is held
+            i = findloc(self%held /= 0, .true., dim=1)
+            crossing = event_crossing_type(.true., i, self%held(i), t)
          end if
          if (.not. crossing%found) exit
          associate (event => scene%system%model%events(crossing%event))
-            if (t >= self%hold - near .and. crossing%event == self%held%event) self%hold = huge(t)
+            if (t >= self%hold - near) then
+               self%held(crossing%event) = 0
+               if (all(self%held == 0)) self%hold = huge(t)
+            end if
             if ((event%direction /= 0 .and. event%direction /= crossing%direction) .or. crossing%t < event%after) then
                call pass_crossing(self%search, scene%system, scene%work, integrator, crossing)
                cycle
@@ -124,8 +128,7 @@ contains
             if (does > 0 .and. integrator%ends_on_samples .and. crossing%t < t - near .and. &
                & crossing%t > self%search%t + brief*(scene%system%model%dynamics%end - scene%system%model%dynamics%start)) then
                again = .true.
-               self%hold = crossing%t
-               self%held = crossing
+               call hold_at(self, scene, integrator, crossing, min(last, crossing%t + near))
                self%search%side = sides
                self%counts = counts
                outcome%events%count = rows
@@ -150,6 +153,29 @@ contains
       call end_step(self%search)
       call tell(self, scene%system, outcome)
    end subroutine pass_events
+
+   !> Notes a crossing at which the step is to end, and what else crosses at that instant. The search is where the step begins.
+   subroutine hold_at(self, scene, integrator, crossing, last)
+      type(events_type), intent(inout) :: self
+      type(scene_type), intent(inout) :: scene
+      class(integrator_type), intent(inout) :: integrator
+      type(event_crossing_type), intent(in) :: crossing
+      !> End of that instant, within the step
+      real(wp), intent(in) :: last
+      type(event_crossing_type) :: other
+      real(wp) :: q(scene%system%layout%nq), v(scene%system%layout%nq)
+      self%hold = crossing%t
+      self%held = 0
+      other = crossing
+      do while (other%found)
+         self%held(other%event) = other%direction
+         call pass_crossing(self%search, scene%system, scene%work, integrator, other)
+         call find_first(self%search, scene%system, scene%work, integrator, last, other)
+      end do
+      q = self%search%q
+      v = self%search%v
+      call begin_step(self%search, scene%system, scene%work, self%search%t, q, v, self%search%w)
+   end subroutine hold_at
 
    !> States of all switches behind the events that turn some (switches): whether each is on. Those of contacts stay.
    pure function turned_states(self, system) result(on)
@@ -282,9 +308,7 @@ contains
       call snapshot%exchange('turns', self%turns)
       call snapshot%exchange('full', self%full)
       call snapshot%exchange('event_hold', self%hold)
-      call snapshot%exchange('held_event', self%held%event)
-      call snapshot%exchange('held_direction', self%held%direction)
-      call snapshot%exchange('held_found', self%held%found)
+      call snapshot%exchange('held_events', self%held)
    end subroutine exchange_events
 
 end module limber_analysis_events

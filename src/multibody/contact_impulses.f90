@@ -17,6 +17,9 @@ module limber_multibody_contact_impulses
    private
    public :: gap_set_type, read_gaps, new_gap_set, lift_gaps, add_impulses, gap_accelerations, contact_push
 
+   !> Mobility that counts as none, relative to that without joints
+   real(wp), parameter :: stuck = 1.0e-13_wp
+
    !> Gaps that are looked at together
    type :: gap_set_type
       !> Indices of their contacts (n)
@@ -79,7 +82,33 @@ contains
          end do
       end do
       set%mobility = 0.5_wp*(set%mobility + transpose(set%mobility))
+      do i = 1, n
+         if (set%mobility(i, i) > stuck*free_mobility(system, set%rows(:, i))) cycle
+         ! Nothing gives way: all that is left is round-off
+         set%mobility(i, :) = 0.0_wp
+         set%mobility(:, i) = 0.0_wp
+      end do
    end subroutine new_gap_set
+
+   !> Rate of a gap for a unit impulse at it, were there no joints. Bodies without mass are left out; inertias are those about the
+   !> origins of frames.
+   pure real(wp) function free_mobility(system, row) result(mobility)
+      type(system_type), intent(in) :: system
+      !> Its gradient (nw)
+      real(wp), intent(in) :: row(:)
+      integer :: i, first, rates, n
+      mobility = 0.0_wp
+      do i = 1, size(system%layout%q)
+         first = system%layout%w(i)
+         rates = system%layout%rates(i)
+         n = system%layout%n(i)
+         associate (body => system%model%bodies(i)%reduced)
+            if (body%mass > 0.0_wp) mobility = mobility + dot_product(row(first:first + 1), row(first:first + 1))/body%mass
+            if (rates > 2 .and. body%i0 > 0.0_wp) mobility = mobility + row(first + 2)**2/body%i0
+         end associate
+         mobility = mobility + dot_product(row(first + rates:first + rates + n - 1), row(first + rates:first + rates + n - 1))
+      end do
+   end function free_mobility
 
    !> Gradient of a gap by the rates of all bodies.
    subroutine find_row(system, work, contact, row)

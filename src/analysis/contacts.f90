@@ -143,7 +143,7 @@ contains
       type(events_type), intent(inout) :: events
       type(scene_type), intent(inout) :: scene
       real(wp), intent(in) :: t
-      class(integrator_type), intent(in) :: integrator
+      class(integrator_type), intent(inout) :: integrator
       type(recorder_type), intent(inout) :: recorder
       !> State, and work put in so far; in: right before, out: right behind
       type(sample_type), intent(inout) :: sample
@@ -152,6 +152,7 @@ contains
       type(outcome_type), intent(inout) :: outcome
       type(error_type), allocatable, intent(out) :: error
       logical :: closed(size(self%rest)), touched(size(self%rest)), on(size(scene%system%on)), turning(size(events%turning))
+      real(wp) :: work
       logical :: closes
       integer :: i
       turning = events%turning
@@ -170,14 +171,42 @@ contains
             on(contact%switch) = .false.
          end associate
       end do
+      if (any(touched)) call stay_above(scene, integrator, t, touched, sample)
+      work = sample%w
       call set_states(scene, t, on, turning, self%tolerance, sample, renewed, outcome, error)
       if (allocated(error)) return
+      ! What only brings the state onto joints is no work
+      if (.not. any(turning)) sample%w = work
       call strike(self, events, scene, t, closed, touched, recorder, sample, on, outcome, error)
       if (allocated(error)) return
       call set_switches(scene%system, scene%work, on, closes)
       call settle_contacts(scene, t, closes, sample, error)
       renewed = renewed .or. closes
    end subroutine turn_states
+
+   !> Takes a state right before a touch, where no gap is below zero yet: to lift it there would gain energy, which adds up over
+   !> many impacts.
+   subroutine stay_above(scene, integrator, t, touched, sample)
+      type(scene_type), intent(inout) :: scene
+      class(integrator_type), intent(inout) :: integrator
+      !> Time of the touch, to round-off
+      real(wp), intent(in) :: t
+      !> Which contacts touch (contacts)
+      logical, intent(in) :: touched(:)
+      type(sample_type), intent(inout) :: sample
+      !> Units of round-off of the time
+      integer, parameter :: most = 8
+      real(wp) :: gap(size(touched)), rate(size(touched)), scale(size(touched)), at
+      integer :: k
+      do k = 0, most
+         at = t - k*spacing(t)
+         if (at <= integrator%t_before) return
+         if (k > 0) call integrator%interpolate(at, sample%q, sample%v, sample%w)
+         if (k > 0) call integrator%complete(scene%system, scene%work, at, sample%q, sample%v)
+         call read_gaps(scene%system, scene%work, at, sample%q, sample%v, gap, rate, scale)
+         if (all(gap >= 0.0_wp .or. .not. touched)) return
+      end do
+   end subroutine stay_above
 
    !> Brings a state onto contacts that have closed, and lifts it where others are below zero by the error of positions.
    subroutine settle_contacts(scene, t, closes, sample, error)
@@ -242,8 +271,8 @@ contains
          end if
          do i = 1, size(list)
             on(system%model%contacts(list(i))%switch) = impact%rests(i)
-            call note_contact(self, events, system, t, list(i), closed(list(i)), touched(list(i)), low*scale(list(i)), &
-               & set%mobility(i, i), impact, i, outcome)
+            call note_contact(self, events, system, t, list(i), closed(list(i)), low*scale(list(i)), set%mobility(i, i), &
+               & impact, i, outcome)
          end do
          sample%w = sample%w + sum(impact%energies())
          recorder%lost(list) = recorder%lost(list) - impact%energies()
@@ -255,14 +284,14 @@ contains
    end subroutine strike
 
    !> Notes what a contact does: a row of the events if it strikes, closes or opens.
-   subroutine note_contact(self, events, system, t, contact, was_closed, touched, height, mobility, impact, i, outcome)
+   subroutine note_contact(self, events, system, t, contact, was_closed, height, mobility, impact, i, outcome)
       type(contacts_type), intent(inout) :: self
       type(events_type), intent(inout) :: events
       type(system_type), intent(in) :: system
       real(wp), intent(in) :: t
-      !> Its index; whether it was closed, whether it has just touched
+      !> Its index; whether it was closed
       integer, intent(in) :: contact
-      logical, intent(in) :: was_closed, touched
+      logical, intent(in) :: was_closed
       !> Of bounces that count as rest; speed for a unit impulse
       real(wp), intent(in) :: height, mobility
       type(impact_type), intent(in) :: impact
@@ -270,13 +299,14 @@ contains
       integer, intent(in) :: i
       type(outcome_type), intent(inout) :: outcome
       real(wp) :: change, energies(size(impact%impulse))
-      logical :: strikes, added
+      logical :: closes, strikes, added
       integer :: turned
       change = impact%impulse(i)*mobility
-      strikes = touched .or. (change > slight*maxval(abs(impact%before)) .and. change**2 > 2*abs(impact%acceleration(i))*height)
+      closes = impact%rests(i) .and. .not. was_closed
+      strikes = change > slight*maxval(abs(impact%before)) .and. (closes .or. change**2 > 2*abs(impact%acceleration(i))*height)
       turned = 0
       if (was_closed .and. .not. impact%rests(i)) turned = -1
-      if (impact%rests(i) .and. .not. was_closed) then
+      if (closes) then
          turned = 1
          self%rest(contact) = t + impact%remaining(i)
          ! The row of its rest is that of the end of its bounces
@@ -286,7 +316,7 @@ contains
       if (.not. strikes .and. turned == 0) return
       call add_row(events, t, system%model%contacts(contact)%event, merge(1, -1, turned < 0), outcome, added)
       energies = impact%energies()
-      if (added) call outcome%events%strike(turned, merge(energies(i), 0.0_wp, strikes), merge(impact%impulse(i), 0.0_wp, strikes))
+      if (added) call outcome%events%strike(turned, energies(i), merge(impact%impulse(i), 0.0_wp, strikes))
    end subroutine note_contact
 
    !> Notes that contacts have come to rest: the times at which their bounces would have ended are reached.

@@ -11,7 +11,7 @@ module limber_analysis_contacts
    use limber_analysis_impact, only: impact_type, find_impact
    use limber_analysis_switched_start, only: set_states
    use limber_integrator_integrator, only: integrator_type
-   use limber_multibody_contact_impulses, only: gap_set_type, read_gaps, new_gap_set, lift_gaps
+   use limber_multibody_contact_impulses, only: gap_set_type, read_gaps, new_gap_set, lift_gaps, speeds_at
    use limber_multibody_projection, only: settle
    use limber_multibody_switching, only: set_switches, find_redundant
    use limber_multibody_system, only: system_type, number_of_contacts
@@ -28,8 +28,9 @@ module limber_analysis_contacts
    !> Height of bounces that count as rest, in doubts about a gap; part of the scene's length, or angle, by which a stop may be
    !> passed at the start: in tolerances, and at least
    real(wp), parameter :: low = 100.0_wp, allowed = 100.0_wp, least = 1.0e-6_wp
-   !> Impulse that counts, as a change of speed relative to the largest; gain of energy that is told, relative to the kinetic one
-   real(wp), parameter :: slight = 1.0e-6_wp, gained = 1.0e-9_wp
+   !> Impulse that counts, as a change of speed relative to the largest; gain of energy that is told, relative to the kinetic one;
+   !> round-off of speeds
+   real(wp), parameter :: slight = 1.0e-6_wp, gained = 1.0e-9_wp, round_off = 64*epsilon(1.0_wp)
 
    !> Contacts between the steps of a motion
    type :: contacts_type
@@ -261,8 +262,9 @@ contains
          list = pack([(i, i=1, size(closed))], closed .or. touched .or. gap <= scale)
          if (size(list) == 0) return
          call new_gap_set(system, work, list, set)
-         allocate (impact%before(size(list)))
+         allocate (impact%before(size(list)), impact%noise(size(list)))
          impact%before = rate(list)
+         impact%noise = merge(self%tolerance, round_off, closed(list))*speeds_at(system, work, set, sample%v)
          call find_impact(system, work, set, sample%q, system%model%contacts(list)%restitution, low*scale(list), &
             & .not. self%opens(list), sample%v, impact)
          if (.not. impact%solved) then
@@ -303,7 +305,8 @@ contains
       integer :: turned
       change = impact%impulse(i)*mobility
       closes = impact%rests(i) .and. .not. was_closed
-      strikes = change > slight*maxval(abs(impact%before)) .and. (closes .or. change**2 > 2*abs(impact%acceleration(i))*height)
+      strikes = change > max(slight*maxval(abs(impact%before)), impact%noise(i)) .and. &
+         & (closes .or. change**2 > 2*abs(impact%acceleration(i))*height)
       turned = 0
       if (was_closed .and. .not. impact%rests(i)) turned = -1
       if (closes) then

@@ -22,6 +22,8 @@ module limber_analysis_impact
       !> Whether each contact is closed behind, and how long its bounces would have gone on
       logical, allocatable :: rests(:)
       real(wp), allocatable :: remaining(:)
+      !> Changes of rates that are round-off, or the error of what rested before
+      real(wp), allocatable :: noise(:)
       !> False if no impulses end the approach: what is met there does not give way
       logical :: solved = .true.
    contains

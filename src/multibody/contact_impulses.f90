@@ -15,7 +15,8 @@ module limber_multibody_contact_impulses
    use limber_multibody_system, only: system_type, workspace_type, contact_constraint
    implicit none
    private
-   public :: gap_set_type, read_gaps, new_gap_set, lift_gaps, add_impulses, gap_accelerations, contact_push
+   public :: gap_set_type, read_gaps, new_gap_set, speeds_at, lift_gaps, add_impulses, gap_accelerations, &
+      & contact_push
 
    !> Mobility that counts as none, relative to that without joints
    real(wp), parameter :: stuck = 1.0e-13_wp
@@ -149,6 +150,29 @@ contains
       end subroutine add_own
 
    end subroutine find_row
+
+   !> What round-off of the rates of gaps is relative to: sums of the terms that they are made of (n).
+   pure function speeds_at(system, work, set, v) result(speeds)
+      type(system_type), intent(in) :: system
+      !> Kinematics are placed
+      type(workspace_type), intent(in) :: work
+      type(gap_set_type), intent(in) :: set
+      !> Velocities (nq)
+      real(wp), intent(in) :: v(:)
+      real(wp) :: speeds(size(set%contacts)), rates_of(system%layout%nw)
+      integer :: i, first, from, rates, n
+      do i = 1, size(system%layout%q)
+         first = system%layout%q(i)
+         from = system%layout%w(i)
+         rates = system%layout%rates(i)
+         n = system%layout%n(i)
+         rates_of(from:from + 1) = v(first:first + 1)
+         if (.not. system%layout%framed(i)) cycle
+         rates_of(from + 2) = cross(work%kinematics%frames(i)%u, v(first + 2:first + 3))
+         rates_of(from + rates:from + rates + n - 1) = v(first + 4:first + 3 + n)
+      end do
+      speeds = matmul(abs(rates_of), abs(set%rows))
+   end function speeds_at
 
    !> Lifts coordinates by which gaps are below zero, least in the mass norm: what a projection onto joints has passed them by.
    subroutine lift_gaps(system, work, set, gap, q, v)

@@ -10,7 +10,7 @@ module limber_model_rigid_stops
    use limber_deck_parameters, only: parameter_list_type
    use limber_model_control_laws, only: append_event
    use limber_model_model, only: model_type, limit_contact_type, event_type, switch_type, event_switch, turn_on, step_kinematics, &
-      & step_inverse, step_statics, step_modes, step_dynamics
+      & body_flexible, ground, step_inverse, step_statics, step_modes, step_dynamics
    implicit none
    private
    public :: append_contact, add_touches, check_contacts
@@ -106,6 +106,10 @@ contains
             else if (.not. any(model%steps%kind == step_dynamics)) then
                call diagnostics%add(block%origin_of('LAW'), "stop '"//block%name()//"' is rigid, and the deck has no *DYNAMICS", &
                   & 'rigid stops are those of a motion in time')
+            else if (flexible_body(model, model%contacts(i)) > 0) then
+               call diagnostics%add(block%origin_of('LAW'), "stop '"//block%name()//"' is rigid and acts on '"// &
+                  & model%bodies(flexible_body(model, model%contacts(i)))%name//"', which bends: what an impact on it loses"// &
+                  & ' depends on the number of its functions', 'give the stop a STIFFNESS instead of LAW=RIGID')
             else if (model%accuracy%estimate .or. model%accuracy%target > 0.0_wp) then
                call diagnostics%add(block%origin_of('LAW'), "stop '"//block%name()// &
                   & "' is rigid in a run whose errors are to be estimated: runs that strike it at different times cannot be"// &
@@ -114,6 +118,21 @@ contains
          end associate
       end do
    end subroutine check_contacts
+
+   !> Body with functions that a contact acts on; 0: none.
+   pure integer function flexible_body(model, contact) result(body)
+      type(model_type), intent(in) :: model
+      type(limit_contact_type), intent(in) :: contact
+      integer :: side
+      associate (part => model%load_parts(model%loads(contact%load)%first))
+         do side = 1, 2
+            body = model%points(part%points(side))%body
+            if (body == ground) cycle
+            if (model%bodies(body)%kind == body_flexible) return
+         end do
+      end associate
+      body = 0
+   end function flexible_body
 
    !> Keyword of the first analysis that refuses rigid stops; empty if there is none.
    pure function refusing(model) result(keyword)

@@ -6,7 +6,7 @@ program test_rigid_stops
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_output_history_reader, only: history_reader_type
-   use runs, only: run_text, channel, check_warning
+   use runs, only: run_text, run_changed, channel
    use testing, only: check, check_close, check_no_error, finish
    implicit none
 
@@ -182,23 +182,14 @@ contains
          & 1.9912717962182003_wp, 2.3937740611486964_wp, 2.750622978516353_wp, 3.068987117338761_wp, 3.354328241765731_wp], &
          & peaks(8) = [-0.09473679312081613_wp, 0.07506069800657408_wp, -0.06027883112723988_wp, 0.04882768844371006_wp, &
          & -0.03978817391458201_wp, 0.032562171068248255_wp, -0.026734475495142455_wp, 0.022003938834686605_wp]
-      real(wp), allocatable :: t(:), which(:), angle(:), turned(:)
+      real(wp), allocatable :: t(:), which(:), angle(:), turned(:), lost(:), energy(:)
       type(history_reader_type) :: reader
       character(:), allocatable :: name
       real(wp) :: allowed
       name = integrator//', '//trim(tolerance)//': block, '
       allowed = bound(integrator, 1.0e-4_wp, 1.0e-8_wp)
-      call run_scene('*PARAMETER'//nl//' b = 0.15, h = 0.6'//nl//'*GRAVITY, X=0, Y=-9.81'//nl//'*GROUND'//nl//' far, 2*b, 0'//nl// &
-         & '*RIGID BODY, NAME=block, MASS=2, INERTIA=2*(b**2 + h**2)/3, CENTRE X=b, CENTRE Y=h, ANGLE=atan(b/h)/2'//nl// &
-         & ' right, 2*b, 0'//nl// &
-         & '*STOP, NAME=left, AXIS=90 deg, LEAST=0, LAW=RIGID'//nl//' block.origin, ground.origin'//nl// &
-         & '*STOP, NAME=right, AXIS=90 deg, LEAST=0, LAW=RIGID'//nl//' block.right, ground.origin'//nl// &
-         & '*SWITCH, NAME=on-left'//nl// &
-         & '*JOINT, NAME=grip-left, TYPE=POINT ON LINE, ANGLE=90 deg, ACTIVE=on-left'//nl//' block.origin, ground.origin'//nl// &
-         & '*JOINT, NAME=grip-right, TYPE=POINT ON LINE, ANGLE=90 deg, INACTIVE=on-left'//nl//' block.right, ground.far'//nl// &
-         & '*EVENT, NAME=to-right, DIRECTION=DOWN, ACTION=SWITCH, SWITCH=on-left, TO=OFF'//nl//' elongation(right)'//nl// &
-         & '*EVENT, NAME=to-left, DIRECTION=DOWN, ACTION=SWITCH, SWITCH=on-left, TO=ON'//nl//' elongation(left)'//nl// &
-         & '*EVENT, NAME=peak'//nl//' spin(block)'//nl, integrator, 'END=3.5, OUTPUTS=35', ' angle(block), spin(block)', reader)
+      call run_changed('../input/rocking_block.inp', trim(results), [character(60) :: 'TOLERANCE=1e-9', 'INTEGRATOR=RADAU'], &
+         & [character(60) :: 'TOLERANCE='//tolerance, 'INTEGRATOR='//integrator], reader)
       t = numbers(reader, '/events/time')
       which = numbers(reader, '/events/event')
       turned = numbers(reader, '/events/turned')
@@ -207,6 +198,10 @@ contains
       if (count(nint(which) <= 2) < 8 .or. count(nint(which) == 3) < 8) return
       call check_all(pack(t, nint(which) <= 2), impacts, allowed, name//'instant of an impact')
       call check_all(pack(angle, nint(which) == 3), peaks, allowed, name//'largest angle')
+      lost = channel(reader, 'loss')
+      energy = channel(reader, 'energy')
+      call check_close(energy(1) - energy(size(energy)), lost(size(lost)), max(1.0e-9_wp*lost(size(lost)), 10*allowed), &
+         & name//'energy lost')
       call reader%close()
    end subroutine check_block
 
@@ -448,6 +443,11 @@ contains
       call check_refused(ball//stop//'LEAST=0'//ends//'*ACCURACY, ESTIMATE=YES'//nl//run, 'errors are to be estimated')
       call check_refused(ball//stop//'LEAST=0'//ends//'*DRIVER, NAME=press, TYPE=Y, POINT=b'//nl//' 1 - 2*t'//nl//run, &
          & 'no impulse ends the approach')
+      call check_refused('*MATERIAL, NAME=steel, YOUNG=2e11, DENSITY=7850'//nl// &
+         & '*SECTION, NAME=flat, SHAPE=RECTANGLE, WIDTH=0.02, HEIGHT=0.01'//nl//'*BEAM, NAME=b, MATERIAL=steel, SECTION=flat, '// &
+         & 'LENGTH=1'//nl//'*JOINT, NAME=pin, TYPE=REVOLUTE'//nl//' b.start, ground.origin'//nl// &
+         & '*STOP, NAME=limit, JOINT=pin, LEAST=-0.1, LAW=RIGID'//nl//'*DYNAMICS, END=1'//nl//'*OUTPUT'//nl//' y(b.end)'//nl, &
+         & "acts on 'b', which bends")
    end subroutine check_refusals
 
    !> Checks that a deck is refused, with a text.

@@ -17,6 +17,9 @@ module limber_beam_monitored_sections
    private
    public :: monitored_sections_type, patch_type, new_stations
 
+   !> What joints do at a place of a beam: nothing, hold it, hold it and leave its section free to turn, weld it to the ground
+   integer, parameter, public :: hold_none = 0, hold_some = 1, hold_hinge = 2, hold_clamp = 3
+
    !> A load along a beam that acts as one force
    type :: patch_type
       !> Coordinates along the beam [length] and parts of the force there, whose sum is one; not allocated of a force at a place
@@ -63,20 +66,23 @@ module limber_beam_monitored_sections
       real(wp) :: membrane = 0.0_wp
    end type monitored_sections_type
 
+   !> Largest misfit that is told: functions that leave no bending at all have any
+   real(wp), parameter :: most_misfit = 10.0_wp
+
    !> Least number of stations
    integer, parameter :: least = 16
 
 contains
 
    !> Makes the stations of a beam.
-   subroutine new_stations(beam, choice, field, body, place, jointed, clamped, held, stations, error, patch)
+   subroutine new_stations(beam, choice, field, body, place, hold, held, stations, error, patch)
       type(beam_type), intent(in) :: beam
       type(reduction_type), intent(in) :: choice
       type(displacement_field_type), intent(in) :: field
       type(reduced_type), intent(in) :: body
-      !> Coordinates along the beam where joints and loads act [length], whether these are joints, and welds to the ground
+      !> Coordinates along the beam where joints and loads act [length], and what joints do there (places)
       real(wp), intent(in) :: place(:)
-      logical, intent(in) :: jointed(:), clamped(:)
+      integer, intent(in) :: hold(:)
       !> Whether joints hold two of its places at a distance
       logical, intent(in) :: held
       type(monitored_sections_type), intent(out) :: stations
@@ -99,7 +105,7 @@ contains
       call shape_stations(field, beam%length, stations)
       call share_tension(beam, field, body, stations)
       call collect_pull(beam, choice%origin, field, stations)
-      call find_euler(beam, field, body, jointed, clamped, stations)
+      call find_euler(beam, field, body, hold, stations)
       call find_left_out(beam, choice, field, body, stations, error)
       call estimate_lumping(beam, field, body, stations)
       call weigh_loads(beam, choice%origin, field, stations)
@@ -222,11 +228,11 @@ contains
    !> Euler's load: the least uniform compression under which the bending coordinates, as the joints hold them, are not stable.
    !> Between joints at two places the force acts along the line through them; a weld to the ground keeps its section along that
    !> line, and alone it sets the direction of the force; otherwise that is the axis of the frame, eqs. (7.11), (7.12).
-   subroutine find_euler(beam, field, body, jointed, clamped, stations)
+   subroutine find_euler(beam, field, body, hold, stations)
       type(beam_type), intent(in) :: beam
       type(displacement_field_type), intent(in) :: field
       type(reduced_type), intent(in) :: body
-      logical, intent(in) :: jointed(:), clamped(:)
+      integer, intent(in) :: hold(:)
       type(monitored_sections_type), intent(inout) :: stations
       real(wp) :: ratio(stations%bending, stations%bending), value(stations%bending), work(max(1, 8*stations%bending))
       real(wp) :: turned(stations%bending, stations%count), chord(stations%bending), from, to, truth
@@ -236,20 +242,20 @@ contains
       stations%euler = huge(1.0_wp)
       if (stations%bending == 0) return
       chord = 0.0_wp
-      from = minval(stations%place, mask=jointed)
-      to = maxval(stations%place, mask=jointed)
-      if (any(jointed) .and. to > from) then
+      from = minval(stations%place, mask=hold > hold_none)
+      to = maxval(stations%place, mask=hold > hold_none)
+      if (any(hold > hold_none) .and. to > from) then
          do i = 1, stations%count
             if (stations%x(i) > from .and. stations%x(i) < to) chord = chord + stations%weight(i)*stations%slope(:, i)
          end do
          chord = chord/(to - from)
-      else if (any(clamped)) then
+      else if (any(hold == hold_clamp)) then
          chord = slope_at(field, from, bending_slope)
       end if
       do i = 1, stations%bending
          turned(i, :) = (stations%slope(i, :) - chord(i))/sqrt(body%omega2(i))
       end do
-      if (to > from) call clamp(field, chord, body%omega2(:stations%bending), pack(stations%place, clamped), turned)
+      if (to > from) call clamp(field, chord, body%omega2(:stations%bending), pack(stations%place, hold == hold_clamp), turned)
       do j = 1, stations%bending
          do i = 1, stations%bending
             ratio(i, j) = sum(stations%weight*turned(i, :)*turned(j, :))
@@ -261,9 +267,9 @@ contains
       do i = 1, stations%count
          stations%buckling(i) = stations%weight(i)*dot_product(ratio(:, stations%bending), turned(:, i))**2
       end do
-      truth = true_euler(beam, count(jointed), count(clamped), from, to)
+      truth = true_euler(beam, pack(hold, hold > hold_none), from, to)
       if (.not. truth > 0.0_wp .or. stations%euler <= truth) return
-      stations%misfit = stations%euler/truth - 1
+      stations%misfit = min(stations%euler/truth - 1, most_misfit)
       stations%buckling = stations%buckling*(stations%euler/truth)
       stations%euler = truth
    end subroutine find_euler
@@ -290,18 +296,20 @@ contains
       end do
    end subroutine clamp
 
-   !> Euler's load in closed form: clamped at one place alone, or at both ends; zero for others.
-   pure real(wp) function true_euler(beam, joints, clamps, from, to) result(load)
+   !> Euler's load in closed form: of a beam clamped at one place alone, and of one with hinges or welds to the ground at its ends
+   !> alone, eq. (7.12); zero for others.
+   pure real(wp) function true_euler(beam, hold, from, to) result(load)
       type(beam_type), intent(in) :: beam
-      !> Numbers of places that joints hold, and that are welded to the ground; the first and the last of the former
-      integer, intent(in) :: joints, clamps
+      !> What joints do at the places that they hold; coordinates of the first and the last of these
+      integer, intent(in) :: hold(:)
       real(wp), intent(in) :: from, to
-      real(wp), parameter :: pi = acos(-1.0_wp)
+      !> Beams held at both ends, with none, one and two of them clamped, in units of E I pi^2/L^2
+      real(wp), parameter :: pi = acos(-1.0_wp), of_clamps(0:2) = [1.0_wp, 2.04575_wp, 4.0_wp]
       load = 0.0_wp
-      if (joints == 1 .and. clamps == 1) then
-         load = pi**2*beam%ei/(2*max(from, beam%length - from))**2
-      else if (joints == 2 .and. clamps == 2) then
-         if (to - from > (1 - 1.0e-9_wp)*beam%length) load = 4*pi**2*beam%ei/beam%length**2
+      if (size(hold) == 1) then
+         if (hold(1) == hold_clamp) load = pi**2*beam%ei/(2*max(from, beam%length - from))**2
+      else if (size(hold) == 2 .and. all(hold >= hold_hinge)) then
+         if (to - from > (1 - 1.0e-9_wp)*beam%length) load = of_clamps(count(hold == hold_clamp))*pi**2*beam%ei/beam%length**2
       end if
    end function true_euler
 

@@ -11,7 +11,7 @@ module limber_monitor_indicator_start
    use limber_monitor_body_surveys, only: start_surveys, is_base
    use limber_monitor_drawn_channels, only: start_drawn_channels
    use limber_beam_quasistatic_deflection, only: new_quasistatic
-   use limber_beam_monitored_sections, only: new_stations, patch_type
+   use limber_beam_monitored_sections, only: new_stations, patch_type, hold_none, hold_some, hold_hinge, hold_clamp
    use limber_model_distributed_loads, only: spread_parts
    use limber_model_model, only: place_at_point, place_on_line, place_on_curve, place_on_beam, ground, body_rigid, body_type
    use limber_model_quantities, only: quantity_ax, quantity_axial_force, quantity_ay, quantity_bending_moment, &
@@ -23,11 +23,11 @@ module limber_monitor_indicator_start
    private
    public :: start_indicators
 
-   !> A joint, driver or load that acts on a beam: the point, whether it is a joint that holds the beam across and does not slide
-   !> along it, whether it keeps it from turning, and the other body of a pin or weld, -1 for others
+   !> A joint, driver or load that acts on a beam: the point, what it is as a joint that holds the beam across and does not slide
+   !> along it (a weld to any body is a clamp here), and the other body of a pin or weld, -1 for others
    type :: contact_type
       integer :: point = 0
-      logical :: is_joint = .false., is_weld = .false.
+      integer :: hold = hold_none
       integer :: partner = -1
    end type contact_type
 
@@ -226,13 +226,13 @@ contains
       type(body_indicators_type), intent(inout) :: body
       real(wp), allocatable :: place(:)
       type(patch_type), allocatable :: patch(:)
-      logical, allocatable :: jointed(:), welded(:)
+      integer, allocatable :: hold(:)
       logical :: held, clamped
       body%is_rigid = .true.
-      call find_places(self, system, index, contacts, place, patch, jointed, welded, held)
-      clamped = self%turned(index) .or. any(contacts%is_weld)
+      call find_places(self, system, index, contacts, place, patch, hold, held)
+      clamped = self%turned(index) .or. any(contacts%hold == hold_clamp)
       associate (beam => system%model%bodies(index)%beam, choice => system%model%bodies(index)%choice)
-         body%quasistatic = new_quasistatic(beam%ei, beam%rho_a, beam%length, choice%origin, place, jointed, clamped)
+         body%quasistatic = new_quasistatic(beam%ei, beam%rho_a, beam%length, choice%origin, place, hold > hold_none, clamped)
       end associate
       body%first_frequency = body%quasistatic%frequency
       body%length = system%model%bodies(index)%beam%length
@@ -266,7 +266,7 @@ contains
       type(body_indicators_type), intent(inout) :: body
       real(wp), allocatable :: place(:)
       type(patch_type), allocatable :: patch(:)
-      logical, allocatable :: jointed(:), clamped(:)
+      integer, allocatable :: hold(:)
       logical :: held
       integer :: k
       body%body = index
@@ -286,10 +286,13 @@ contains
          call start_false_damping(body%false_damping, flexible%reduced)
          if (flexible%is_frame) call start_frame(self, system, index, contacts, body)
          if (.not. body%is_beam) return
-         call find_places(self, system, index, contacts, place, patch, jointed, clamped, held)
+         call find_places(self, system, index, contacts, place, patch, hold, held)
          ! Beside the one place that holds it, it hangs: what turns with that body, or is turned, is clamped there
-         if (count(jointed) == 1 .and. (self%turned(index) .or. any(contacts%is_weld))) clamped = jointed
-         call find_set(self, system, index, place, patch, jointed, clamped, held, body%set)
+         if (count(hold > hold_none) == 1 .and. (self%turned(index) .or. any(contacts%hold == hold_clamp))) &
+            & hold = merge(hold_clamp, hold_none, hold > hold_none)
+         ! A driver of its angle may hold a section that its hinge leaves free
+         if (self%turned(index)) hold = merge(hold_some, hold, hold == hold_hinge)
+         call find_set(self, system, index, place, patch, hold, held, body%set)
          body%is_beam = body%set > 0
          if (.not. body%is_beam) return
          associate (stations => self%sets(body%set)%stations)
@@ -330,15 +333,16 @@ contains
    end subroutine start_frame
 
    !> The set of constants of a beam: that of an earlier one if it is the same, else a new one; 0 if they cannot be made.
-   subroutine find_set(self, system, index, place, patch, jointed, clamped, held, set)
+   subroutine find_set(self, system, index, place, patch, hold, held, set)
       type(indicators_type), intent(inout) :: self
       type(system_type), intent(in) :: system
-      !> The body; coordinates along it where joints and loads act, and whether these are joints, and welds to the ground; whether
-      !> two of them are held by the same other body
+      !> The body; coordinates along it where joints and loads act, and what joints do there; whether two of these places are held
+      !> by the same other body
       integer, intent(in) :: index
       real(wp), intent(in) :: place(:)
       type(patch_type), intent(in) :: patch(:)
-      logical, intent(in) :: jointed(:), clamped(:), held
+      integer, intent(in) :: hold(:)
+      logical, intent(in) :: held
       integer, intent(out) :: set
       !> Sets before the last that are looked at
       integer, parameter :: last = 8
@@ -349,13 +353,12 @@ contains
       if (self%count == size(self%sets)) call make_room(self)
       set = self%count + 1
       associate (new => self%sets(set), flexible => system%model%bodies(index))
-         call new_stations(flexible%beam, flexible%choice, flexible%field, flexible%reduced, place, jointed, clamped, held, &
+         call new_stations(flexible%beam, flexible%choice, flexible%field, flexible%reduced, place, hold, held, &
             & new%stations, error, patch)
          if (.not. allocated(error)) then
             new%body = index
             new%held = held
-            allocate (new%jointed, source=jointed)
-            allocate (new%clamped, source=clamped)
+            allocate (new%hold, source=hold)
             self%count = set
          else
             set = 0
@@ -370,9 +373,8 @@ contains
          associate (bodies => system%model%bodies)
             is_same = bodies(index)%twin > 0 .and. bodies(other%body)%twin == bodies(index)%twin .and. (other%held .eqv. held)
          end associate
-         if (is_same) is_same = size(other%jointed) == size(jointed)
-         if (is_same) is_same = all(other%jointed .eqv. jointed) .and. all(other%clamped .eqv. clamped) .and. &
-            & all(abs(other%stations%place - place) <= 0.0_wp)
+         if (is_same) is_same = size(other%hold) == size(hold)
+         if (is_same) is_same = all(other%hold == hold) .and. all(abs(other%stations%place - place) <= 0.0_wp)
          if (is_same) is_same = are_same(other%stations%patch, patch)
       end function is_same
 
@@ -411,40 +413,41 @@ contains
       integer, intent(out) :: first(:)
       type(contact_type), allocatable, intent(out) :: contacts(:)
       integer :: pass, i, side, fill(size(first)), partner
-      logical :: bears, is_weld
+      integer :: hold
       first = 0
       do pass = 1, 2
          do i = 1, size(system%constraints)
             associate (item => system%constraints(i)%item)
                do side = 1, 2
                   partner = -1
-                  is_weld = .false.
-                  bears = .false.
+                  hold = hold_none
                   if (i <= size(system%model%joints)) then
                      associate (joint => system%model%joints(i), body => item%bodies(side))
-                        bears = self%fixed(side, i) .and. joint%bears(side)
-                        if (body /= ground) bears = bears .or. (joint%guides(side) .and. is_rigid_beam(system%model%bodies(body)))
-                        is_weld = joint%is_weld() .and. joint%bears(side)
+                        if (self%fixed(side, i) .and. joint%bears(side)) hold = merge(hold_hinge, hold_some, joint%is_hinge())
+                        if (body /= ground) then
+                           if (joint%guides(side) .and. is_rigid_beam(system%model%bodies(body))) hold = max(hold, hold_some)
+                        end if
+                        if (joint%is_weld() .and. joint%bears(side)) hold = hold_clamp
                      end associate
                      if (system%model%joints(i)%place == place_at_point) partner = item%bodies(3 - side)
                      if (partner > ground) then
                         if (is_base(system, partner)) partner = ground
                      end if
                   end if
-                  call enter(item%bodies(side), item%points(side), bears, is_weld, partner)
+                  call enter(item%bodies(side), item%points(side), hold, partner)
                end do
             end associate
          end do
          do i = 1, size(system%loads)
             associate (item => system%loads(i)%item)
                do side = 1, size(item%points)
-                  call enter(item%bodies(side), item%points(side), .false., .false., -1)
+                  call enter(item%bodies(side), item%points(side), hold_none, -1)
                end do
             end associate
          end do
          associate (pulled => pulled_points(self%pulls, system))
             do i = 1, size(pulled)
-               call enter(system%model%points(pulled(i))%body, pulled(i), .false., .false., -1)
+               call enter(system%model%points(pulled(i))%body, pulled(i), hold_none, -1)
             end do
          end associate
          if (pass == 2) exit
@@ -459,17 +462,15 @@ contains
    contains
 
       !> First counts, then enters.
-      subroutine enter(body, point, is_joint, is_weld, partner)
-         integer, intent(in) :: body, point, partner
-         logical, intent(in) :: is_joint, is_weld
+      subroutine enter(body, point, hold, partner)
+         integer, intent(in) :: body, point, hold, partner
          if (body == ground .or. point == 0) return
          if (self%of(body) == 0) return
          if (pass == 1) then
             first(body + 1) = first(body + 1) + 1
          else
             contacts(fill(body))%point = point
-            contacts(fill(body))%is_joint = is_joint
-            contacts(fill(body))%is_weld = is_weld
+            contacts(fill(body))%hold = hold
             contacts(fill(body))%partner = partner
             fill(body) = fill(body) + 1
          end if
@@ -478,26 +479,25 @@ contains
    end subroutine list_contacts
 
    !> Where joints and loads act on a beam.
-   subroutine find_places(self, system, index, contacts, place, patch, jointed, clamped, held)
+   subroutine find_places(self, system, index, contacts, place, patch, hold, held)
       type(indicators_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       integer, intent(in) :: index
       !> Those of the beam
       type(contact_type), intent(in) :: contacts(:)
-      !> Coordinates along the beam, all different, and whether joints act there, and welds to the ground
+      !> Coordinates along the beam, all different, and what joints do there
       real(wp), allocatable, intent(out) :: place(:)
       !> Loads along the beam among them, each at its mean place (places)
       type(patch_type), allocatable, intent(out) :: patch(:)
-      logical, allocatable, intent(out) :: jointed(:), clamped(:)
+      integer, allocatable, intent(out) :: hold(:)
       !> Whether two places are pinned or welded to the same other body
       logical, intent(out) :: held
       real(wp) :: found(size(contacts)), x
-      logical :: joint(size(contacts)), weld(size(contacts))
+      integer :: found_hold(size(contacts)), own
       type(patch_type) :: spread_out(size(contacts))
       integer :: i, k, count, spread
       count = 0
-      joint = .false.
-      weld = .false.
+      found_hold = hold_none
       held = .false.
       associate (body => system%model%bodies(index))
          do i = 1, size(contacts)
@@ -512,8 +512,11 @@ contains
                if (spread > 0) call spread_parts(system%model%spreads(spread), body, [real(wp) ::], spread_out(k)%at, &
                   & spread_out(k)%part)
             end if
-            joint(k) = joint(k) .or. contacts(i)%is_joint
-            weld(k) = weld(k) .or. (contacts(i)%is_weld .and. contacts(i)%partner == ground)
+            own = contacts(i)%hold
+            if (own == hold_clamp .and. .not. keeps_angle(system, contacts(i)%partner)) own = hold_some
+            if (own == hold_hinge .and. found_hold(k) /= hold_none) own = found_hold(k)
+            if (own == hold_some .and. found_hold(k) == hold_clamp) own = hold_clamp
+            if (own > hold_none) found_hold(k) = own
             self%place(contacts(i)%point) = k
          end do
       end associate
@@ -525,8 +528,22 @@ contains
       end do
       allocate (place, source=found(:count))
       allocate (patch, source=spread_out(:count))
-      allocate (jointed, source=joint(:count))
-      allocate (clamped, source=weld(:count))
+      allocate (hold, source=found_hold(:count))
    end subroutine find_places
+
+   !> Whether a body cannot turn: the ground, a base, and what a joint to the ground guides without a rotation.
+   pure logical function keeps_angle(system, body)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: body
+      integer :: i
+      keeps_angle = is_base(system, body)
+      do i = 1, size(system%model%joints)
+         if (keeps_angle) return
+         if (.not. system%model%joints(i)%keeps_angle .or. system%model%joints(i)%switch /= 0) cycle
+         associate (bodies => system%constraints(i)%item%bodies)
+            keeps_angle = any(bodies == body) .and. any(bodies == ground)
+         end associate
+      end do
+   end function keeps_angle
 
 end module limber_monitor_indicator_start

@@ -161,10 +161,9 @@ module limber_monitor_indicators
 
    !> Constants of beams that are equal and held and loaded at the same places
    type :: indicator_set_type
-      !> First of them in the model; at each place whether joints act there, and welds to the ground; whether two places are held by
-      !> the same other body
+      !> First of them in the model; what joints do at each place; whether two places are held by the same other body
       integer :: body = 0
-      logical, allocatable :: jointed(:), clamped(:)
+      integer, allocatable :: hold(:)
       logical :: held = .false.
       type(monitored_sections_type) :: stations
    end type indicator_set_type

@@ -1,6 +1,7 @@
 !> Rigid stops, *STOP with LAW=RIGID, by all integrators, against closed forms and event-driven references: a ball whose bounces
 !> accumulate, one that loses nothing, a bar on a limit of its joint, a block that rocks, a cam and its follower, two discs, balls
-!> in a row, a ball in a corner, a bead that leaves a circle, a table on three supports; work and energies; what is refused.
+!> in a row, a ball in a corner, a bead that leaves a circle, a table on three supports, walls on a line and on a table, an elbow;
+!> work and energies; what is refused.
 !> Usage, in tests/: test_rigid_stops RESULT_FILE
 program test_rigid_stops
    use limber_base_kinds, only: wp
@@ -32,6 +33,8 @@ program test_rigid_stops
          call check_corner(trim(integrators(i)))
          call check_bead(trim(integrators(i)))
          call check_table(trim(integrators(i)))
+         call check_walls(trim(integrators(i)))
+         call check_turning_wall(trim(integrators(i)))
          call check_elbow(trim(integrators(i)), 'YES')
          call check_elbow(trim(integrators(i)), 'NO')
       end do
@@ -183,13 +186,17 @@ contains
          & peaks(8) = [-0.09473679312081613_wp, 0.07506069800657408_wp, -0.06027883112723988_wp, 0.04882768844371006_wp, &
          & -0.03978817391458201_wp, 0.032562171068248255_wp, -0.026734475495142455_wp, 0.022003938834686605_wp]
       real(wp), allocatable :: t(:), which(:), angle(:), turned(:), lost(:), energy(:)
+      character(60) :: changed(2)
       type(history_reader_type) :: reader
       character(:), allocatable :: name
       real(wp) :: allowed
       name = integrator//', '//trim(tolerance)//': block, '
       allowed = bound(integrator, 1.0e-4_wp, 1.0e-8_wp)
+      changed = [character(60) :: 'TOLERANCE=', 'INTEGRATOR=']
+      changed(1) = trim(changed(1))//tolerance
+      changed(2) = trim(changed(2))//integrator
       call run_changed('../input/rocking_block.inp', trim(results), [character(60) :: 'TOLERANCE=1e-9', 'INTEGRATOR=RADAU'], &
-         & [character(60) :: 'TOLERANCE='//tolerance, 'INTEGRATOR='//integrator], reader)
+         & changed, reader)
       t = numbers(reader, '/events/time')
       which = numbers(reader, '/events/event')
       turned = numbers(reader, '/events/turned')
@@ -394,6 +401,61 @@ contains
       call check(max(a(n), b(n), c(n)) <= 0.0_wp, name//'all push')
       call reader%close()
    end subroutine check_table
+
+   !> A mass on an inclined line between two walls that lose nothing: a zigzag.
+   subroutine check_walls(integrator)
+      character(*), intent(in) :: integrator
+      real(wp), allocatable :: u(:), t(:), which(:)
+      type(history_reader_type) :: reader
+      character(:), allocatable :: name
+      integer :: j
+      name = integrator//', '//trim(tolerance)//': walls, '
+      call run_scene('*RIGID BODY, NAME=b, MASS=2, INERTIA=1, VX=3*cos(0.5), VY=3*sin(0.5)'//nl// &
+         & '*JOINT, NAME=rail, TYPE=TRANSLATIONAL, ANGLE=0.5'//nl//' b.origin, ground.origin'//nl// &
+         & '*STOP, NAME=ends, JOINT=rail, LEAST=-1, MOST=0.5, LAW=RIGID, RESTITUTION=1'//nl, integrator, 'END=20, OUTPUTS=50', &
+         & ' displacement(rail), lost(ends)', reader)
+      u = channel(reader, 'displacement_rail')
+      do j = 0, 50
+         ! Way from the lower wall, there and back
+         call check_close(u(j + 1), 0.5_wp - abs(modulo(1 + 3*0.4_wp*j, 3.0_wp) - 1.5_wp), 1.0e-9_wp, name//'place')
+      end do
+      t = numbers(reader, '/events/time')
+      which = numbers(reader, '/events/event')
+      call check(size(t) == 40, name//'forty impacts')
+      call check(count(nint(which) == 1) == 20, name//'half of them at the lower wall')
+      u = channel(reader, 'lost_ends')
+      call check_close(u(51), 0.0_wp, 1.0e-12_wp, name//'nothing is lost')
+      call reader%close()
+   end subroutine check_walls
+
+   !> A mass in a slot of a table at 5 rad/s rests against the outer wall, which pushes by m w^2 r; thrown inwards it returns there.
+   subroutine check_turning_wall(integrator)
+      character(*), intent(in) :: integrator
+      real(wp), parameter :: speed = 5.0_wp, place = 0.5_wp, inwards = 1.0_wp
+      real(wp), allocatable :: u(:), force(:), t(:), turned(:)
+      type(history_reader_type) :: reader
+      character(:), allocatable :: name
+      real(wp) :: back, allowed
+      name = integrator//', '//trim(tolerance)//': turning wall, '
+      allowed = bound(integrator, 1.0e-5_wp, 1.0e-9_wp)
+      call run_scene('*RIGID BODY, NAME=table, MASS=1, INERTIA=1'//nl//'*JOINT, NAME=hub, TYPE=REVOLUTE'//nl// &
+         & ' table.origin, ground.origin'//nl//'*DRIVER, NAME=motor, TYPE=ANGLE, BODY=table'//nl//' 5*t'//nl// &
+         & '*POINT MASS, NAME=b, MASS=2, X=0.5*cos(0.4), Y=0.5*sin(0.4), VX=-2.5*sin(0.4) - cos(0.4), '// &
+         & 'VY=2.5*cos(0.4) - sin(0.4)'//nl//'*JOINT, NAME=slot, TYPE=POINT ON LINE, ANGLE=0.4'//nl//' b, table.origin'//nl// &
+         & '*STOP, NAME=wall, AXIS=0.4, MOST=0.5, LAW=RIGID'//nl//' b, table.origin'//nl, integrator, 'END=1, OUTPUTS=10', &
+         & ' displacement(slot), tension(wall)', reader)
+      ! u'' = w^2 u: place cosh(w t) - inwards/w sinh(w t) = place again
+      back = 2*atanh(inwards/(speed*place))/speed
+      t = numbers(reader, '/events/time')
+      turned = numbers(reader, '/events/turned')
+      call check_all(t, [back], allowed, name//'instant of the return')
+      call check(all(nint(turned) == 1), name//'rests')
+      u = channel(reader, 'displacement_slot')
+      force = channel(reader, 'tension_wall')
+      call check_close(u(11), place, 1.0e-8_wp, name//'place')
+      call check_close(force(11), 2*speed**2*place, 1.0e-6_wp, name//'force')
+      call reader%close()
+   end subroutine check_turning_wall
 
    !> A double pendulum whose elbow bends one way only, from -0.1 rad: impacts through the joints keep the balance of energies. Both
    !> forms of the equations, with the tree of bodies and without.

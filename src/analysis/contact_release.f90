@@ -10,7 +10,7 @@ module limber_analysis_contact_release
    use limber_multibody_system, only: system_type, workspace_type
    implicit none
    private
-   public :: find_release
+   public :: find_release, find_least_push
 
 contains
 
@@ -62,21 +62,10 @@ contains
       real(wp) function push_at(at, whose) result(push)
          real(wp), intent(in) :: at
          integer, intent(out) :: whose
-         real(wp) :: q(system%layout%nq), v(system%layout%nq), a(system%layout%nq), w, residual
-         integer :: k
-         push = huge(push)
-         whose = 0
+         real(wp) :: q(system%layout%nq), v(system%layout%nq), w
          call integrator%interpolate(at, q, v, w)
          call integrator%complete(system, work, at, q, v)
-         call settle(system, work, at, q, v, a, .true., residual, error)
-         if (allocated(error)) return
-         call accelerations(system, work, q, v, a)
-         do k = 1, size(closed)
-            if (.not. closed(k)) cycle
-            if (contact_push(system, work, k) >= push) cycle
-            push = contact_push(system, work, k)
-            whose = k
-         end do
+         call find_least_push(system, work, at, q, v, closed, push, whose, error)
       end function push_at
 
       !> The zero between a time at which all push and one at which the least force pulls, by the method of Illinois and halving.
@@ -116,6 +105,34 @@ contains
       end subroutine polish
 
    end subroutine find_release
+
+   !> Least force of the closed contacts at a state, and whose it is.
+   subroutine find_least_push(system, work, t, q, v, closed, push, contact, error)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: t
+      !> Coordinates and velocities; out: those on the constraints (nq)
+      real(wp), intent(inout) :: q(:), v(:)
+      !> (contacts)
+      logical, intent(in) :: closed(:)
+      !> Huge, and 0: none is closed
+      real(wp), intent(out) :: push
+      integer, intent(out) :: contact
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: a(size(q)), residual
+      integer :: k
+      push = huge(push)
+      contact = 0
+      call settle(system, work, t, q, v, a, .true., residual, error)
+      if (allocated(error)) return
+      call accelerations(system, work, q, v, a)
+      do k = 1, size(closed)
+         if (.not. closed(k)) cycle
+         if (contact_push(system, work, k) >= push) cycle
+         push = contact_push(system, work, k)
+         contact = k
+      end do
+   end subroutine find_least_push
 
    !> Where the parabola through three points is lowest; huge if it has no lowest point.
    pure real(wp) function lowest_of(x, y) result(lowest)

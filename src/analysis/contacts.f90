@@ -5,7 +5,7 @@ module limber_analysis_contacts
    use limber_base_error, only: error_type, raise
    use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: as_text
-   use limber_analysis_contact_release, only: find_release
+   use limber_analysis_contact_release, only: find_release, find_least_push
    use limber_analysis_event_search, only: contact_doubt
    use limber_analysis_events, only: events_type, turned_states, read_channels, add_row
    use limber_analysis_impact, only: impact_type, find_impact
@@ -21,7 +21,7 @@ module limber_analysis_contacts
    use limber_scene_scene, only: scene_type
    implicit none
    private
-   public :: contacts_type, new_contacts, check_gaps, turn_states, find_opening, note_rest
+   public :: contacts_type, new_contacts, check_gaps, turn_states, find_opening, find_jump, note_rest
 
    !> Impacts that are remembered
    integer, parameter :: remembered = 1000
@@ -136,6 +136,26 @@ contains
       self%opens(contact) = .true.
       t = self%release
    end subroutine find_opening
+
+   !> Looks whether a contact that rests would pull right behind a jump of a law; there it opens.
+   subroutine find_jump(self, scene, t, sample, error)
+      type(contacts_type), intent(inout) :: self
+      type(scene_type), intent(inout) :: scene
+      real(wp), intent(in) :: t
+      !> State there
+      type(sample_type), intent(in) :: sample
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: q(size(sample%q)), v(size(sample%v)), push
+      logical :: closed(size(self%rest))
+      integer :: contact
+      self%opens = .false.
+      closed = closed_contacts(scene%system)
+      if (.not. any(closed)) return
+      q = sample%q
+      v = sample%v
+      call find_least_push(scene%system, scene%work, t, q, v, closed, push, contact, error)
+      if (push < 0.0_wp) self%opens(contact) = .true.
+   end subroutine find_jump
 
    !> Turns the switches of the events at the end of the last step, and lets contacts strike, rest or open there. Contacts come
    !> behind joints that close at the same instant.

@@ -10,7 +10,8 @@ module limber_analysis_dynamic_analysis
    use limber_analysis_curve_pieces, only: curve_pieces_type, new_pieces, begin_pieces, look_ahead, find_end, pass_end, &
       & count_kink, tell_kinks, release_pieces
    use limber_analysis_chosen_integrator, only: replace_integrator
-   use limber_analysis_contacts, only: contacts_type, new_contacts, check_gaps, turn_states, find_opening, note_rest
+   use limber_analysis_contacts, only: contacts_type, new_contacts, check_gaps, turn_states, find_opening, find_jump, &
+      & note_rest
    use limber_analysis_cost_watch, only: costs_type, watch_costs, stands_in
    use limber_analysis_crossings, only: crossings_type, new_crossings, begin_crossings, resume_crossings, go_on, find_crossing, &
       & count_crossing, found_nothing, found_bend, found_jump
@@ -328,6 +329,7 @@ contains
             passed = passed + 1
             since = breaks(passed)
             call start_anew(breaks(passed), .true.)
+            if (size(contacts%rest) > 0 .and. .not. allocated(error)) call look_at_jump(breaks(passed))
          else if (cut) then
             call record_before(t + near)
             if (allocated(error)) exit
@@ -600,6 +602,15 @@ contains
          call find_opening(contacts, scene, integrator, near, t, again, error)
          if (again .and. .not. allocated(error)) call step_again()
       end subroutine look_at_pushes
+
+      !> Lets contacts open that would pull right behind a jump of a law of time.
+      subroutine look_at_jump(time)
+         real(wp), intent(in) :: time
+         call find_jump(contacts, scene, time, sample, error)
+         if (allocated(error) .or. .not. any(contacts%opens)) return
+         events%turning = .false.
+         call turn_switch(time)
+      end subroutine look_at_jump
 
       !> Does the last step again, up to an event within it.
       subroutine step_again()

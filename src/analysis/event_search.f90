@@ -300,7 +300,8 @@ contains
          call polish(self, system, work, integrator, a, b, crossed, crossing)
          return
       end if
-      if (crossed > 0 .and. open == count(beyond) .and. b%t - a%t <= none*self%h) then
+      if (crossed > 0 .and. open == count(beyond) .and. b%t - a%t <= none*self%h .and. &
+         & all(system%model%events(:size(beyond))%contact > 0 .or. .not. beyond)) then
          call polish_all()
          return
       end if
@@ -330,7 +331,7 @@ contains
          crossing = event_crossing_type(.true., event, -self%side(event), t)
       end subroutine take
 
-      !> Several that cross at nearly the same instant: the first one.
+      !> Several contacts that touch at nearly the same instant: the first one.
       subroutine polish_all()
          type(event_crossing_type) :: one
          integer :: event

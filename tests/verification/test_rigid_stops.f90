@@ -33,6 +33,7 @@ program test_rigid_stops
          call check_corner(trim(integrators(i)))
          call check_bead(trim(integrators(i)))
          call check_table(trim(integrators(i)))
+         call check_jump(trim(integrators(i)))
          call check_walls(trim(integrators(i)))
          call check_turning_wall(trim(integrators(i)))
          call check_elbow(trim(integrators(i)), 'YES')
@@ -401,6 +402,31 @@ contains
       call check(max(a(n), b(n), c(n)) <= 0.0_wp, name//'all push')
       call reader%close()
    end subroutine check_table
+
+   !> A ball rests on the floor; a force of 20 N lifts it from 1 s on. At the sample there the floor does not pull.
+   subroutine check_jump(integrator)
+      character(*), intent(in) :: integrator
+      real(wp), allocatable :: t(:), turned(:), pull(:), y(:), closed(:)
+      type(history_reader_type) :: reader
+      character(:), allocatable :: name
+      name = integrator//', '//trim(tolerance)//': jump, '
+      call run_scene('*GRAVITY, X=0, Y=-9.81'//nl//'*POINT MASS, NAME=b, MASS=1, Y=1'//nl// &
+         & '*STOP, NAME=floor, AXIS=90 deg, LEAST=1, LAW=RIGID'//nl//' b, ground.origin'//nl// &
+         & '*FORCE, NAME=lift, POINT=b'//nl//' 0, 20*step(t - 1)'//nl, integrator, 'END=2, OUTPUTS=20', &
+         & ' y(b), tension(floor), closed(floor)', reader)
+      t = numbers(reader, '/events/time')
+      turned = numbers(reader, '/events/turned')
+      call check_all(t, [0.0_wp, 1.0_wp], 1.0e-12_wp, name//'rests, and opens')
+      call check(all(nint(turned) == [1, -1]), name//'rests, and opens once')
+      y = channel(reader, 'y_b')
+      pull = channel(reader, 'tension_floor')
+      closed = channel(reader, 'closed_floor')
+      call check_close(maxval(abs(pull(:10) + g)), 0.0_wp, 1.0e-9_wp, name//'force at rest')
+      call check_close(maxval(abs(pull(11:))), 0.0_wp, 0.0_wp, name//'no force behind')
+      call check(all(nint(closed(:10)) == 1) .and. all(nint(closed(11:)) == 0), name//'state')
+      call check_close(y(21), 1 + 0.5_wp*(20 - g), 1.0e-9_wp, name//'height at the end')
+      call reader%close()
+   end subroutine check_jump
 
    !> A mass on an inclined line between two walls that lose nothing: a zigzag.
    subroutine check_walls(integrator)

@@ -27,7 +27,7 @@ module limber_analysis_contacts
    integer, parameter :: remembered = 1000
    !> Height of bounces that count as rest, in doubts about a gap; part of the scene's length, or angle, by which a stop may be
    !> passed at the start: in tolerances, and at least
-   real(wp), parameter :: low = 100.0_wp, allowed = 100.0_wp, least = 1.0e-6_wp
+   real(wp), parameter :: low = 10.0_wp, allowed = 100.0_wp, least = 1.0e-6_wp
    !> Impulse that counts, as a change of speed relative to the largest; gain of energy that is told, relative to the kinetic one;
    !> round-off of speeds
    real(wp), parameter :: slight = 1.0e-6_wp, gained = 1.0e-9_wp, round_off = 64*epsilon(1.0_wp)

@@ -19,9 +19,10 @@ module limber_analysis_event_search
    integer, parameter :: deepest = 60, most_looks = 400
    !> Parts of a step: in which crossings count as one instant; below which one without a change of sign is none
    real(wp), parameter :: together = 1.0e-12_wp, none = 1.0e-7_wp
-   !> Error of a place by round-off, and of the dense output, relative to what it is computed from; part of the tolerance within
-   !> which a scalar has not crossed zero yet
-   real(wp), parameter :: few = 8*epsilon(1.0_wp), noise = 64*epsilon(1.0_wp), doubted = 1.0e-4_wp
+   !> Error of a place by round-off, and of the dense output, relative to what it is computed from; parts of
+   !> the tolerance within which a scalar has not crossed zero yet, and within which a gap has not
+   real(wp), parameter :: few = 8*epsilon(1.0_wp), noise = 64*epsilon(1.0_wp), doubted = 1.0e-4_wp, &
+      & unsure = 1.0e-3_wp
 
    !> A crossing that was found
    type :: event_crossing_type
@@ -211,15 +212,17 @@ contains
       type(moment_type), intent(in) :: moment
       !> Its index
       integer, intent(in) :: event
-      is_clear = abs(moment%force(event)) > law_doubt(system%events(event), system%model%length, moment, event, &
-         & contact_doubt(self%tolerance))
+      real(wp) :: doubt
+      doubt = max(noise, doubted*self%tolerance)
+      if (system%model%events(event)%contact > 0) doubt = contact_doubt(self%tolerance)
+      is_clear = abs(moment%force(event)) > law_doubt(system%events(event), system%model%length, moment, event, doubt)
    end function is_clear
 
    !> Part of a place, and of the length of the scene, within which a gap has not been passed yet.
    pure real(wp) function contact_doubt(tolerance)
       !> Local error allowed in a step, relative to the scales
       real(wp), intent(in) :: tolerance
-      contact_doubt = max(noise, doubted*tolerance)
+      contact_doubt = max(noise, unsure*tolerance)
    end function contact_doubt
 
    !> Reads the scalars at a time of the dense output.
@@ -300,10 +303,11 @@ contains
          call polish(self, system, work, integrator, a, b, crossed, crossing)
          return
       end if
-      if (crossed > 0 .and. open == count(beyond) .and. b%t - a%t <= none*self%h .and. &
-         & all(system%model%events(:size(beyond))%contact > 0 .or. .not. beyond)) then
-         call polish_all()
-         return
+      if (crossed > 0 .and. open == count(beyond)) then
+         if (all_touch()) then
+            call polish_all()
+            return
+         end if
       end if
       if (crossed < 0 .and. b%t - a%t <= none*self%h) then
          ! Right behind a crossing the scalar is still zero; at the end of a step it may be on its way to one
@@ -331,7 +335,19 @@ contains
          crossing = event_crossing_type(.true., event, -self%side(event), t)
       end subroutine take
 
-      !> Several contacts that touch at nearly the same instant: the first one.
+      !> Whether all that have crossed are gaps that were clearly open before.
+      logical function all_touch()
+         integer :: event
+         all_touch = .false.
+         do event = 1, size(beyond)
+            if (.not. beyond(event)) cycle
+            if (system%model%events(event)%contact == 0 .or. .not. a%force(event) > 0.0_wp) return
+            if (.not. is_clear(self, system, a, event)) return
+         end do
+         all_touch = .true.
+      end function all_touch
+
+      !> Of several contacts that touch the first one.
       subroutine polish_all()
          type(event_crossing_type) :: one
          integer :: event

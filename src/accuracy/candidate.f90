@@ -5,7 +5,8 @@ module limber_accuracy_candidate
    use limber_base_error, only: error_type, raise, status_interrupted
    use limber_base_signals, only: signal_came, signal_name
    use limber_base_text, only: as_text, first_line
-   use limber_analysis_dynamic_analysis, only: run_dynamics, new_integrator
+   use limber_analysis_chosen_integrator, only: new_integrator
+   use limber_analysis_dynamic_analysis, only: run_dynamics
    use limber_scene_channel_errors, only: magnitude
    use limber_analysis_error_estimate, only: add_quantities, round_off
    use limber_scene_outcome, only: outcome_type

@@ -4,7 +4,7 @@
 module limber_accuracy_pilot_run
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
-   use limber_analysis_dynamic_analysis, only: new_integrator
+   use limber_analysis_chosen_integrator, only: new_integrator
    use limber_accuracy_pilot_scenes, only: build_exact, probe_modally, make_rigid, build, probe_modes
    use limber_accuracy_fidelity_levels, only: level_type, bare_deck
    use limber_scene_scene, only: scene_type

@@ -6,7 +6,8 @@ module limber_accuracy_study_runs
    use limber_base_error, only: error_type, raise, status_interrupted
    use limber_base_signals, only: signal_came, signal_name
    use limber_base_text, only: as_text, first_line, newline
-   use limber_analysis_dynamic_analysis, only: run_dynamics, new_integrator
+   use limber_analysis_chosen_integrator, only: new_integrator
+   use limber_analysis_dynamic_analysis, only: run_dynamics
    use limber_analysis_run_report, only: energy_warning
    use limber_monitor_model_ranges, only: range_warnings
    use limber_scene_outcome, only: outcome_type, all_warnings

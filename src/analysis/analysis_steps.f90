@@ -7,7 +7,8 @@ module limber_analysis_analysis_steps
    use limber_base_text, only: as_text, newline
    use limber_analysis_run_report, only: energy_warning
    use limber_scene_damping_check, only: changed_damping
-   use limber_analysis_dynamic_analysis, only: run_dynamics, new_integrator
+   use limber_analysis_chosen_integrator, only: new_integrator
+   use limber_analysis_dynamic_analysis, only: run_dynamics
    use limber_analysis_fresh_start, only: meet_drivers
    use limber_scene_analysis_gaps, only: pass_gap
    use limber_scene_interruption, only: interruption_type

@@ -9,12 +9,14 @@ module limber_analysis_dynamic_analysis
    use limber_monitor_curve_watch, only: curve_watch_type, new_curve_watch, begin_curves, go_on_curves, find_hidden
    use limber_analysis_curve_pieces, only: curve_pieces_type, new_pieces, begin_pieces, look_ahead, find_end, pass_end, &
       & count_kink, tell_kinks, release_pieces
+   use limber_analysis_chosen_integrator, only: replace_integrator
+   use limber_analysis_contacts, only: contacts_type, new_contacts, check_gaps, turn_states, find_opening, find_jump, &
+      & note_rest
    use limber_analysis_cost_watch, only: costs_type, watch_costs, stands_in
    use limber_analysis_crossings, only: crossings_type, new_crossings, begin_crossings, resume_crossings, go_on, find_crossing, &
       & count_crossing, found_nothing, found_bend, found_jump
-   use limber_analysis_events, only: events_type, start_events, begin_events, pass_events, turned_states, count_turn
+   use limber_analysis_events, only: events_type, start_events, begin_events, pass_events, count_turn
    use limber_analysis_fresh_start, only: pass_break
-   use limber_analysis_switched_start, only: set_states
    use limber_analysis_added_errors, only: added_errors_type, start_added, begin_added, note_added, tell_errors, tell_passages
    use limber_scene_interruption, only: interruption_type
    use limber_monitor_indicator_start, only: start_indicators
@@ -34,9 +36,6 @@ module limber_analysis_dynamic_analysis
    use limber_monitor_run_monitor, only: check_deflections, jump_watch_type, start_watch, watch_velocities, find_weak
    use limber_integrator_adams, only: adams_type
    use limber_integrator_bound_steps, only: bound_steps_type
-   use limber_integrator_alpha, only: alpha_type
-   use limber_integrator_conserving, only: conserving_type
-   use limber_integrator_radau, only: radau_type
    use limber_integrator_integrator, only: integrator_type
    use limber_model_law_breaks, only: last_instant
    use limber_model_model, only: dynamics_type, event_switch
@@ -52,29 +51,9 @@ module limber_analysis_dynamic_analysis
    use limber_multibody_system, only: system_type
    implicit none
    private
-   public :: run_dynamics, new_integrator
+   public :: run_dynamics
 
 contains
-
-   !> The integrator that the deck chooses.
-   subroutine new_integrator(dynamics, integrator)
-      type(dynamics_type), intent(in) :: dynamics
-      class(integrator_type), allocatable, intent(out) :: integrator
-      select case (dynamics%integrator)
-      case ('ALPHA'); allocate (alpha_type :: integrator)
-      case ('CONSERVING'); allocate (conserving_type :: integrator)
-      case ('RADAU'); allocate (radau_type :: integrator)
-      case default; allocate (adams_type :: integrator)
-      end select
-      select type (integrator)
-      type is (alpha_type)
-         integrator%radius = dynamics%spectral_radius
-      end select
-      integrator%tolerance = dynamics%tolerance
-      integrator%initial_step = dynamics%initial_step
-      integrator%maximum_step = dynamics%maximum_step
-      integrator%fixed_step = dynamics%fixed_step
-   end subroutine new_integrator
 
    !> Runs from the start to the end.
    subroutine run_dynamics(scene, integrator, history, progress, outcome, error, guard, pace)
@@ -182,6 +161,7 @@ contains
       type(turning_type) :: turning
       type(crossings_type) :: crossings
       type(events_type) :: events
+      type(contacts_type) :: contacts
       type(added_errors_type) :: added
       type(curve_watch_type) :: curves
       type(curve_pieces_type) :: pieces
@@ -208,6 +188,9 @@ contains
       sampled = next_instant < huge(t)
       sample%q = scene%q
       sample%v = scene%v
+      call new_contacts(contacts, scene%system, integrator%tolerance)
+      if (size(contacts%rest) > 0 .and. .not. restarts(guard)) call begin_contacts()
+      if (allocated(error)) return
       call watch_laws()
       call start_events(events, scene%system, scene%work, t, scene%q, scene%v, integrator%tolerance)
       if (recorder%needs_accelerations) call start_unfollowed(unfollowed, scene)
@@ -255,7 +238,7 @@ contains
          if (first .and. passed < size(breaks)) stop = min(stop, integrator%t + first_part*(barrier - integrator%t))
          if (integrator%ends_on_samples) stop = min(stop, sample_time(dynamics, sample%next))
          if (.not. dynamics%fixed_step > 0.0_wp) stop = min(stop, integrator%t + turn_time(turning))
-         stop = min(stop, crossings%hold, events%hold)
+         stop = min(stop, crossings%hold, events%hold, contacts%hold, contacts%until)
          if (sampled) stop = min(stop, next_instant)
          if (present(pace)) call keep_pace()
          call integrator%step(scene%system, scene%work, stop, error)
@@ -293,12 +276,18 @@ contains
          end if
          if (size(pieces%paths) > 0) call meet_end()
          turns = .false.
+         if (size(contacts%rest) > 0) then
+            call look_at_pushes(again)
+            if (allocated(error)) exit
+            if (again) cycle
+         end if
          if (size(events%counts) > 0) then
             call pass_events(events, scene, integrator, recorder, sample, near, t, action, again, outcome, error)
             if (again) call step_again()
             if (allocated(error)) exit
             if (again) cycle
-            turns = action == event_switch
+            if (t < contacts%release) contacts%opens = .false.
+            turns = action == event_switch .or. (action == 0 .and. any(contacts%opens))
             if (turns) then
                cut = .true.
                crossings%found = found_nothing
@@ -340,12 +329,16 @@ contains
             passed = passed + 1
             since = breaks(passed)
             call start_anew(breaks(passed), .true.)
+            if (size(contacts%rest) > 0 .and. .not. allocated(error)) call look_at_jump(breaks(passed))
          else if (cut) then
             call record_before(t + near)
             if (allocated(error)) exit
             if (.not. turns) call start_anew(t, .false.)
          end if
          if (turns .and. .not. allocated(error)) call turn_switch(max(t, integrator%t_before))
+         if (allocated(error)) exit
+         if (t >= contacts%hold - near .and. .not. turns) call note_rest(contacts, events, scene, t + near, integrator, recorder, &
+            & sample, outcome, error)
          if (allocated(error)) exit
          if (sampled .and. t >= next_instant - near) call pass_samples()
          if (allocated(error)) exit
@@ -563,26 +556,61 @@ contains
          call tell_passages(added, scene%system, crossings, dynamics, outcome)
          call release_pieces(scene%system)
          if (looks_at_jumps(outcome%indicators)) call observe_state(scene, t, before_break, sample, outcome)
-         call set_states(scene, t, turned_states(events, scene%system), events%turning, integrator%tolerance, sample, renewed, &
-            & outcome, error)
+         call turn_states(contacts, events, scene, t, integrator, recorder, sample, renewed, outcome, error)
          if (allocated(error)) return
          call forget_system(sample)
          if (looks_at_jumps(outcome%indicators)) call observe_state(scene, t, behind_break, sample, outcome)
-         integrator%work_at_start = sample%w
-         if (renewed) then
-            call replace_integrator(scene, dynamics, costs, t, sample, integrator, error)
-         else
-            call integrator%start(scene%system, scene%work, t, dynamics%end - dynamics%start, sample%q, sample%v, error)
-         end if
+         call go_on_from(renewed)
          if (allocated(error)) return
          call watch_laws()
-         call renew_efforts(recorder%efforts, scene%system)
          call start_watch(watch, t, sample%v)
          call start_turning(turning, scene%system, t, sample%q, sample%v, integrator%ends_on_samples)
          call follow_turns(t)
          call begin_events(events, scene%system, scene%work, t, sample%q, sample%v, integrator%work_at_start)
          call count_turn(events, scene%system, t, error)
       end subroutine turn_switch
+
+      !> Starts the integrator anew at the state of the sample.
+      subroutine go_on_from(renewed)
+         !> Whether the constraints may be others than before
+         logical, intent(in) :: renewed
+         call forget_system(sample)
+         integrator%work_at_start = sample%w
+         if (renewed) then
+            call replace_integrator(scene, dynamics, costs, t, sample, integrator, error)
+         else
+            call integrator%start(scene%system, scene%work, t, dynamics%end - dynamics%start, sample%q, sample%v, error)
+         end if
+         call renew_efforts(recorder%efforts, scene%system)
+      end subroutine go_on_from
+
+      !> Lets contacts that are closed at the start strike or rest.
+      subroutine begin_contacts()
+         logical :: renewed
+         call start_events(events, scene%system, scene%work, t, scene%q, scene%v, integrator%tolerance)
+         call check_gaps(scene, t, integrator%tolerance, error)
+         if (allocated(error)) return
+         call turn_states(contacts, events, scene, t, integrator, recorder, sample, renewed, outcome, error)
+         if (.not. allocated(error)) call go_on_from(renewed)
+         scene%q = sample%q
+         scene%v = sample%v
+      end subroutine begin_contacts
+
+      !> Looks whether a contact that rests would pull within the last step, which is cut there, or done again up to there.
+      subroutine look_at_pushes(again)
+         logical, intent(out) :: again
+         call find_opening(contacts, scene, integrator, near, t, again, error)
+         if (again .and. .not. allocated(error)) call step_again()
+      end subroutine look_at_pushes
+
+      !> Lets contacts open that would pull right behind a jump of a law of time.
+      subroutine look_at_jump(time)
+         real(wp), intent(in) :: time
+         call find_jump(contacts, scene, time, sample, error)
+         if (allocated(error) .or. .not. any(contacts%opens)) return
+         events%turning = .false.
+         call turn_switch(time)
+      end subroutine look_at_jump
 
       !> Does the last step again, up to an event within it.
       subroutine step_again()
@@ -683,6 +711,7 @@ contains
          call crossings%exchange(snapshot)
          call added%exchange(snapshot)
          call events%exchange(snapshot)
+         call contacts%exchange(snapshot)
          if (snapshot%restoring .and. size(crossings%loads) > 0) call resume_crossings(crossings, scene%system, scene%work, &
             & integrator%t)
          call pieces%exchange(snapshot, scene%system)
@@ -744,35 +773,6 @@ contains
       end subroutine record_aside
 
    end subroutine advance
-
-   !> Puts another integrator in the place of one, at the state of a sample.
-   subroutine replace_integrator(scene, dynamics, costs, t, sample, integrator, error)
-      type(scene_type), intent(inout) :: scene
-      type(dynamics_type), intent(in) :: dynamics
-      !> What the other is; the same as at first if nothing has changed it
-      type(costs_type), intent(in) :: costs
-      real(wp), intent(in) :: t
-      !> With the work put in so far
-      type(sample_type), intent(in) :: sample
-      class(integrator_type), allocatable, intent(inout) :: integrator
-      type(error_type), allocatable, intent(out) :: error
-      class(integrator_type), allocatable :: other
-      type(dynamics_type) :: choice
-      choice = dynamics
-      if (allocated(costs%now)) choice%integrator = costs%now
-      if (allocated(costs%now)) choice%tolerance = costs%tolerance(dynamics%tolerance)
-      call new_integrator(choice, other)
-      other%statistics = integrator%statistics
-      other%work_at_start = sample%w
-      other%input%asked = integrator%input%asked
-      other%speeds_asked = integrator%speeds_asked
-      other%ringing = integrator%ringing
-      other%input%passing = integrator%input%passing
-      other%input%throughput = integrator%input%throughput
-      other%input%largest = integrator%input%largest
-      call other%start(scene%system, scene%work, t, dynamics%end - dynamics%start, sample%q, sample%v, error)
-      call move_alloc(other, integrator)
-   end subroutine replace_integrator
 
    !> Adds the wall and CPU seconds since some moment.
    subroutine add_seconds(tick, cpu, outcome)

@@ -6,7 +6,8 @@ module limber_analysis_error_estimate
    use limber_base_error, only: error_type
    use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: first_line
-   use limber_analysis_dynamic_analysis, only: run_dynamics, new_integrator
+   use limber_analysis_chosen_integrator, only: new_integrator
+   use limber_analysis_dynamic_analysis, only: run_dynamics
    use limber_scene_outcome, only: outcome_type
    use limber_scene_channel_errors, only: envelope, shrinkage, widening, unknown_ratio, no_shrinkage
    use limber_scene_scene, only: scene_type

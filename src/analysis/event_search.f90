@@ -12,15 +12,17 @@ module limber_analysis_event_search
    use limber_multibody_system, only: system_type, workspace_type
    implicit none
    private
-   public :: event_search_type, event_crossing_type, start_search, begin_step, find_first, pass_crossing, end_step, choose_events
+   public :: event_search_type, event_crossing_type, start_search, begin_step, find_first, pass_crossing, end_step, choose_events, &
+      & contact_doubt
 
    !> Halvings of a step, and looks at it, at most
    integer, parameter :: deepest = 60, most_looks = 400
    !> Parts of a step: in which crossings count as one instant; below which one without a change of sign is none
    real(wp), parameter :: together = 1.0e-12_wp, none = 1.0e-7_wp
-   !> Error of a place by round-off, and of the dense output, relative to what it is computed from; part of the tolerance within
-   !> which a scalar has not crossed zero yet
-   real(wp), parameter :: few = 8*epsilon(1.0_wp), noise = 64*epsilon(1.0_wp), doubted = 1.0e-4_wp
+   !> Error of a place by round-off, and of the dense output, relative to what it is computed from; parts of
+   !> the tolerance within which a scalar has not crossed zero yet, and within which a gap has not
+   real(wp), parameter :: few = 8*epsilon(1.0_wp), noise = 64*epsilon(1.0_wp), doubted = 1.0e-4_wp, &
+      & unsure = 1.0e-3_wp
 
    !> A crossing that was found
    type :: event_crossing_type
@@ -110,7 +112,7 @@ contains
             if (event%action == event_switch .and. event%to /= toggle) &
                & self%without(i) = system%on(event%switch) .eqv. event%to == turn_on
          end associate
-         if (self%without(i) .or. .not. before) cycle
+         if (self%without(i) .or. .not. before .or. system%model%events(i)%contact > 0) cycle
          self%side(i) = side_of(self%from%force(i))
          if (abs(self%from%force(i)) <= law_doubt(system%events(i), system%model%length, self%from, i, few)) &
             & self%side(i) = side_of(self%from%slope(i))
@@ -140,6 +142,8 @@ contains
       self%grazing = 0
       self%crossed = .false.
       self%behind = .false.
+      ! Gaps of contacts are never below zero
+      where (system%model%events(:size(self%side))%contact > 0) self%side = 1
       call read_state(system, work, t, self%q, self%v, self%from)
    end subroutine begin_step
 
@@ -208,9 +212,18 @@ contains
       type(moment_type), intent(in) :: moment
       !> Its index
       integer, intent(in) :: event
-      is_clear = abs(moment%force(event)) > law_doubt(system%events(event), system%model%length, moment, event, &
-         & max(noise, doubted*self%tolerance))
+      real(wp) :: doubt
+      doubt = max(noise, doubted*self%tolerance)
+      if (system%model%events(event)%contact > 0) doubt = contact_doubt(self%tolerance)
+      is_clear = abs(moment%force(event)) > law_doubt(system%events(event), system%model%length, moment, event, doubt)
    end function is_clear
+
+   !> Part of a place, and of the length of the scene, within which a gap has not been passed yet.
+   pure real(wp) function contact_doubt(tolerance)
+      !> Local error allowed in a step, relative to the scales
+      real(wp), intent(in) :: tolerance
+      contact_doubt = max(noise, unsure*tolerance)
+   end function contact_doubt
 
    !> Reads the scalars at a time of the dense output.
    subroutine look(self, system, work, integrator, t, moment)
@@ -257,20 +270,26 @@ contains
       type(range_type) :: range
       real(wp) :: near
       integer :: i, crossed, open
+      logical :: beyond(size(self%side))
       crossed = 0
       open = 0
+      beyond = .false.
       do i = 1, size(self%side)
          if (self%side(i) == 0 .or. self%without(i)) cycle
          if (is_beyond(self, system, b, i)) then
             crossed = i
             open = open + 1
+            beyond(i) = .true.
          else if (.not. self%coarse(i)) then
             range = range_between(system%events(i), i, a, b)
             near = 0.0_wp
             ! A scalar that turns back near zero may cross it within the error of the run
             if (self%side(i)*a%slope(i) < 0.0_wp .and. self%side(i)*b%slope(i) > 0.0_wp) near = law_doubt(system%events(i), &
                & system%model%length, b, i, share*self%tolerance)
-            if (range%defined .and. (range%low > near .or. range%high < -near)) cycle
+            ! A contact touches where it would be passed without a doubt, not where it rests or comes near
+            if (system%model%events(i)%contact > 0) near = -contact_doubt(self%tolerance)*law_doubt(system%events(i), &
+               & system%model%length, b, i, 1.0_wp)
+            if (range%defined .and. (range%low > near .or. range%high < -abs(near))) cycle
             open = open + 1
             if (crossed == 0) crossed = -i
          end if
@@ -283,6 +302,12 @@ contains
       if (crossed > 0 .and. open == 1) then
          call polish(self, system, work, integrator, a, b, crossed, crossing)
          return
+      end if
+      if (crossed > 0 .and. open == count(beyond)) then
+         if (all_touch()) then
+            call polish_all()
+            return
+         end if
       end if
       if (crossed < 0 .and. b%t - a%t <= none*self%h) then
          ! Right behind a crossing the scalar is still zero; at the end of a step it may be on its way to one
@@ -309,6 +334,29 @@ contains
          real(wp), intent(in) :: t
          crossing = event_crossing_type(.true., event, -self%side(event), t)
       end subroutine take
+
+      !> Whether all that have crossed are gaps that were clearly open before.
+      logical function all_touch()
+         integer :: event
+         all_touch = .false.
+         do event = 1, size(beyond)
+            if (.not. beyond(event)) cycle
+            if (system%model%events(event)%contact == 0 .or. .not. a%force(event) > 0.0_wp) return
+            if (.not. is_clear(self, system, a, event)) return
+         end do
+         all_touch = .true.
+      end function all_touch
+
+      !> Of several contacts that touch the first one.
+      subroutine polish_all()
+         type(event_crossing_type) :: one
+         integer :: event
+         do event = 1, size(beyond)
+            if (.not. beyond(event)) cycle
+            call polish(self, system, work, integrator, a, b, event, one)
+            if (.not. crossing%found .or. one%t < crossing%t) crossing = one
+         end do
+      end subroutine polish_all
 
    end subroutine search
 

@@ -18,7 +18,7 @@ module limber_analysis_events
    use limber_scene_scene, only: scene_type
    implicit none
    private
-   public :: events_type, start_events, begin_events, pass_events, turned_states, count_turn
+   public :: events_type, start_events, begin_events, pass_events, turned_states, count_turn, read_channels, add_row
 
    !> Turns of switches that are remembered
    integer, parameter :: remembered = 32
@@ -31,14 +31,15 @@ module limber_analysis_events
       !> Whether it has been told of that it cannot be resolved, that it grazes zero (2, events); that no more rows are noted
       logical, allocatable, private :: told(:, :)
       logical, private :: full = .false.
-      !> Time at which the step that is done again is to end, and the crossing there
+      !> Time at which the step that is done again is to end, and the directions of the crossings there, 0: none (events)
       real(wp) :: hold = huge(1.0_wp)
-      type(event_crossing_type), private :: held
+      integer, allocatable, private :: held(:)
       !> Which events turn their switch at the end of the last step (events), and the times of the last turns, the latest first
       logical, allocatable :: turning(:)
       real(wp), private :: turns(remembered) = -huge(1.0_wp)
-      !> Takes the channels at an event
+      !> Takes the channels at an event, and their number
       type(memory_type), private :: memory
+      integer, private :: width = 0
    contains
       procedure :: exchange => exchange_events
    end type events_type
@@ -57,6 +58,7 @@ contains
       call start_search(self%search, system, work, t, q, v, tolerance)
       allocate (self%counts(size(system%events)), source=0)
       allocate (self%turning(size(system%events)), source=.false.)
+      allocate (self%held(size(system%events)), source=0)
       allocate (self%told(2, size(system%events)), source=.false.)
    end subroutine start_events
 
@@ -93,7 +95,7 @@ contains
       real(wp), parameter :: brief = 1.0e-7_wp
       type(event_crossing_type) :: crossing
       real(wp) :: last
-      integer :: sides(size(self%counts)), counts(size(self%counts)), rows, does
+      integer :: sides(size(self%counts)), counts(size(self%counts)), rows, does, i
       action = 0
       again = .false.
       self%turning = .false.
@@ -103,14 +105,17 @@ contains
       rows = outcome%events%count
       do
          call find_first(self%search, scene%system, scene%work, integrator, last, crossing)
-         if (.not. crossing%found .and. action == 0 .and. t >= self%hold - near) then
-            ! By round-off, or the error of its output, a step may end right before the crossing at which it is held
-            crossing = self%held
-            crossing%t = t
+         if (.not. crossing%found .and. t >= self%hold - near .and. any(self%held /= 0)) then
+            ! By round-off, or the error of its output, a step may end right before the crossings at which it is held
+            i = findloc(self%held /= 0, .true., dim=1)
+            crossing = event_crossing_type(.true., i, self%held(i), t)
          end if
          if (.not. crossing%found) exit
          associate (event => scene%system%model%events(crossing%event))
-            if (t >= self%hold - near .and. crossing%event == self%held%event) self%hold = huge(t)
+            if (t >= self%hold - near) then
+               self%held(crossing%event) = 0
+               if (all(self%held == 0)) self%hold = huge(t)
+            end if
             if ((event%direction /= 0 .and. event%direction /= crossing%direction) .or. crossing%t < event%after) then
                call pass_crossing(self%search, scene%system, scene%work, integrator, crossing)
                cycle
@@ -123,15 +128,16 @@ contains
             if (does > 0 .and. integrator%ends_on_samples .and. crossing%t < t - near .and. &
                & crossing%t > self%search%t + brief*(scene%system%model%dynamics%end - scene%system%model%dynamics%start)) then
                again = .true.
-               self%hold = crossing%t
-               self%held = crossing
+               call hold_at(self, scene, integrator, crossing, min(last, crossing%t + near))
                self%search%side = sides
                self%counts = counts
                outcome%events%count = rows
                return
             end if
          end associate
-         call note(self, scene, integrator, recorder, sample, crossing, outcome, error)
+         ! What a contact does there is noted with its impulse
+         if (scene%system%model%events(crossing%event)%contact == 0) call note(self, scene, integrator, recorder, sample, &
+            & crossing, outcome, error)
          if (allocated(error)) return
          if (does > 0) then
             t = crossing%t
@@ -148,7 +154,30 @@ contains
       call tell(self, scene%system, outcome)
    end subroutine pass_events
 
-   !> States of all switches behind the events that turn some (switches): whether each is on.
+   !> Notes a crossing at which the step is to end, and what else crosses at that instant. The search is where the step begins.
+   subroutine hold_at(self, scene, integrator, crossing, last)
+      type(events_type), intent(inout) :: self
+      type(scene_type), intent(inout) :: scene
+      class(integrator_type), intent(inout) :: integrator
+      type(event_crossing_type), intent(in) :: crossing
+      !> End of that instant, within the step
+      real(wp), intent(in) :: last
+      type(event_crossing_type) :: other
+      real(wp) :: q(scene%system%layout%nq), v(scene%system%layout%nq)
+      self%hold = crossing%t
+      self%held = 0
+      other = crossing
+      do while (other%found)
+         self%held(other%event) = other%direction
+         call pass_crossing(self%search, scene%system, scene%work, integrator, other)
+         call find_first(self%search, scene%system, scene%work, integrator, last, other)
+      end do
+      q = self%search%q
+      v = self%search%v
+      call begin_step(self%search, scene%system, scene%work, self%search%t, q, v, self%search%w)
+   end subroutine hold_at
+
+   !> States of all switches behind the events that turn some (switches): whether each is on. Those of contacts stay.
    pure function turned_states(self, system) result(on)
       type(events_type), intent(in) :: self
       type(system_type), intent(in) :: system
@@ -158,6 +187,7 @@ contains
       do i = 1, size(self%turning)
          if (.not. self%turning(i)) cycle
          associate (event => system%model%events(i))
+            if (event%contact > 0) cycle
             if (event%to == toggle) then
                on(event%switch) = .not. on(event%switch)
             else
@@ -176,8 +206,10 @@ contains
       !> Part of the analysis within which so many turns are no motion that could be followed
       real(wp), parameter :: at_once = 1.0e-7_wp
       call choose_events(self%search, system)
+      if (.not. any(self%turning .and. system%model%events%contact == 0)) return
       self%turns = [t, self%turns(:remembered - 1)]
-      associate (dynamics => system%model%dynamics, event => system%model%events(findloc(self%turning, .true., dim=1)))
+      associate (dynamics => system%model%dynamics, event => system%model%events(findloc(self%turning .and. &
+         & system%model%events%contact == 0, .true., dim=1)))
          if (t - self%turns(remembered) <= at_once*(dynamics%end - dynamics%start)) call raise(error, "switch '"// &
             & system%model%switches(event%switch)%name//"' is turned again and again at t = "//as_text(t, 8)//', last by event '// &
             & "'"//event%name//"': "//as_text(remembered)//' turns within '//as_text(t - self%turns(remembered), 2)//' '// &
@@ -195,24 +227,49 @@ contains
       type(event_crossing_type), intent(in) :: crossing
       type(outcome_type), intent(inout) :: outcome
       type(error_type), allocatable, intent(out) :: error
-      if (outcome%events%count >= most_rows) then
-         if (.not. self%full) call warn(outcome, 'more than '//as_text(most_rows)//' events have been met; from t = '// &
-            & as_text(crossing%t, 6)//' on they are no longer noted')
-         self%full = .true.
+      logical :: added
+      if (self%full) return
+      call integrator%interpolate(crossing%t, sample%q, sample%v, sample%w)
+      call integrator%complete(scene%system, scene%work, crossing%t, sample%q, sample%v)
+      call read_channels(self, scene, integrator, recorder, sample, crossing%t, outcome, error)
+      if (.not. allocated(error)) call add_row(self, crossing%t, crossing%event, crossing%direction, outcome, added)
+   end subroutine note
+
+   !> Takes the channels at the state of a sample, for rows.
+   subroutine read_channels(self, scene, integrator, recorder, sample, t, outcome, error)
+      type(events_type), intent(inout) :: self
+      type(scene_type), intent(inout) :: scene
+      class(integrator_type), intent(in) :: integrator
+      type(recorder_type), intent(inout) :: recorder
+      type(sample_type), intent(inout) :: sample
+      real(wp), intent(in) :: t
+      type(outcome_type), intent(inout) :: outcome
+      type(error_type), allocatable, intent(out) :: error
+      self%width = size(scene%system%model%channels)
+      call self%memory%start(self%width, 1, huge(1.0_wp))
+      sample%anyhow = .true.
+      call record(scene, t, t, integrator, recorder, sample, self%memory, outcome, error)
+      sample%anyhow = .false.
+      outcome%samples = outcome%samples - 1
+   end subroutine read_channels
+
+   !> Adds a row with the channels that were taken last, unless there are too many.
+   subroutine add_row(self, t, event, direction, outcome, added)
+      type(events_type), intent(inout) :: self
+      real(wp), intent(in) :: t
+      !> Index of the event; 1 upwards, -1 downwards
+      integer, intent(in) :: event, direction
+      type(outcome_type), intent(inout) :: outcome
+      logical, intent(out) :: added
+      added = outcome%events%count < most_rows
+      if (added) then
+         call outcome%events%add(t, event, direction, self%memory%values(:self%width, 1))
          return
       end if
-      associate (channels => size(scene%system%model%channels))
-         call self%memory%start(channels, 1, huge(1.0_wp))
-         call integrator%interpolate(crossing%t, sample%q, sample%v, sample%w)
-         call integrator%complete(scene%system, scene%work, crossing%t, sample%q, sample%v)
-         sample%anyhow = .true.
-         call record(scene, crossing%t, crossing%t, integrator, recorder, sample, self%memory, outcome, error)
-         sample%anyhow = .false.
-         if (allocated(error)) return
-         outcome%samples = outcome%samples - 1
-         call outcome%events%add(crossing%t, crossing%event, crossing%direction, self%memory%values(:channels, 1))
-      end associate
-   end subroutine note
+      if (.not. self%full) call warn(outcome, 'more than '//as_text(most_rows)//' events have been met; from t = '// &
+         & as_text(t, 6)//' on they are no longer noted')
+      self%full = .true.
+   end subroutine add_row
 
    !> Tells of scalars that the search could not resolve, and of those that touch zero.
    subroutine tell(self, system, outcome)
@@ -240,7 +297,7 @@ contains
       class(events_type), intent(inout) :: self
       type(snapshot_type), intent(inout) :: snapshot
       integer :: i, k
-      ! Not saved: memory, turning
+      ! Not saved: memory, width, turning
       call self%search%exchange(snapshot)
       call snapshot%exchange('event_counts', self%counts)
       do i = 1, size(self%told, 2)
@@ -251,9 +308,7 @@ contains
       call snapshot%exchange('turns', self%turns)
       call snapshot%exchange('full', self%full)
       call snapshot%exchange('event_hold', self%hold)
-      call snapshot%exchange('held_event', self%held%event)
-      call snapshot%exchange('held_direction', self%held%direction)
-      call snapshot%exchange('held_found', self%held%found)
+      call snapshot%exchange('held_events', self%held)
    end subroutine exchange_events
 
 end module limber_analysis_events

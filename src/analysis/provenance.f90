@@ -347,7 +347,10 @@ contains
                & 'switch turned on 1, off -1, not turned 0', error)
             if (.not. allocated(error)) call history%put_real('/events/energy', met%energies(), &
                & unit_text([2, -2, 1], model%units), &
-               & 'change of the energy by the turn of the switch', error)
+               & 'change of the energy by the turn of the switch, or by the impact', error)
+            if (allocated(error) .or. size(model%contacts) == 0) return
+            call history%put_real('/events/impulse', met%impulses(), '', &
+               & 'impulse of a rigid stop along its scalar, force or torque times time, positive where it pushes; else 0', error)
          end associate
       end subroutine put_turns
 

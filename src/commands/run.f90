@@ -8,7 +8,8 @@ module limber_commands_run
    use limber_commands_advise, only: target_of
    use limber_commands_batch, only: batch_type
    use limber_analysis_run_report, only: closing_report, energy_warning, what_is_left
-   use limber_analysis_dynamic_analysis, only: run_dynamics, new_integrator
+   use limber_analysis_chosen_integrator, only: new_integrator
+   use limber_analysis_dynamic_analysis, only: run_dynamics
    use limber_scene_channel_errors, only: magnitude
    use limber_analysis_error_estimate, only: kept_type, estimate_type, make_estimate
    use limber_analysis_estimate_report, only: record_estimate, estimate_warning, estimate_table

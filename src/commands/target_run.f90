@@ -8,7 +8,7 @@ module limber_commands_target_run
    use limber_commands_advise, only: advice_table, target_of
    use limber_commands_batch, only: batch_type
    use limber_analysis_run_report, only: closing_report, energy_warning, what_is_left
-   use limber_analysis_dynamic_analysis, only: new_integrator
+   use limber_analysis_chosen_integrator, only: new_integrator
    use limber_analysis_error_estimate, only: kept_type
    use limber_analysis_estimate_report, only: record_estimate, estimate_table
    use limber_monitor_function_report, only: ring_warnings

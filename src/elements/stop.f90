@@ -1,5 +1,5 @@
-!> One-sided stops: end of travel, joint limits, walls, ropes that go slack: *STOP. Floor: elements. Source: doc/theory, section
-!> 3.9.
+!> One-sided stops: end of travel, joint limits, walls, ropes that go slack: *STOP, springs or rigid. Floor: elements. Source:
+!> doc/theory, sections 3.9 and 5.22.
 module limber_elements_stop
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
@@ -9,7 +9,8 @@ module limber_elements_stop
    use limber_deck_expression, only: expression_type
    use limber_deck_parameters, only: parameter_list_type
    use limber_deck_schema, only: keyword_type, option_spec_type, field_spec_type, word_spec_type, keyword_rows_type, many, needed, &
-      & kind_name, kind_reference, kind_real, kind_positive, kind_nonnegative, kind_point, form_fields
+      & kind_name, kind_reference, kind_real, kind_positive, kind_nonnegative, kind_word, kind_point, form_fields
+   use limber_model_rigid_stops, only: append_contact
    use limber_model_element, only: element_type
    use limber_model_joint_coordinates, only: free_motion
    use limber_model_joint_list, only: find_joint
@@ -22,7 +23,7 @@ module limber_elements_stop
 
    type(keyword_type), parameter :: keyword = &
       & keyword_type('STOP', many, form_fields, 0, 1, &
-      &    'A one-sided stop: a spring that acts beyond a limit of a joint, of a distance, or of a place beside a wall')
+      &    'A one-sided stop, spring or rigid: acts at a limit of a joint, of a distance, or of a place beside a wall')
    !> Options: kind, values, unit, default, meaning
    type(option_spec_type), parameter :: options(*) = [ &
       & option_spec_type('STOP', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the stop'), &
@@ -34,17 +35,28 @@ module limber_elements_stop
       & 'limit above which it pulls, tension > 0: a rope that goes slack; elongation counts from LEAST, else from MOST'), &
       & option_spec_type('STOP', 'AXIS', kind_real, '', 'rad', '', &
       &    'the limits are those of the place of the first point along this axis in the section at the second: a wall'), &
-      & option_spec_type('STOP', 'STIFFNESS', kind_positive, '', 'N/m, N m/rad', needed, &
-      &    'force for each unit beyond the limit; with EXPONENT for each unit to this power'), &
+      & option_spec_type('STOP', 'LAW', kind_word, 'SPRING|RIGID', '', 'SPRING', &
+      &    'SPRING: a force beyond the limit; RIGID: the limit is never passed'), &
+      & option_spec_type('STOP', 'RESTITUTION', kind_nonnegative, '', '', '0', &
+      &    'RIGID: speed behind an impact over that before it, 0 to 1', only='LAW=RIGID'), &
+      & option_spec_type('STOP', 'STIFFNESS', kind_positive, '', 'N/m, N m/rad', '', &
+      &    'SPRING, needed: force for each unit beyond the limit; with EXPONENT for each unit to this power', &
+      &    only='LAW=SPRING'), &
       & option_spec_type('STOP', 'EXPONENT', kind_positive, '', '', '1', &
-      &    'power of the depth beyond the limit, 1 at least; 1.5: balls, cylinders (Hertz)'), &
+      &    'power of the depth beyond the limit, 1 at least; 1.5: balls, cylinders (Hertz)', only='LAW=SPRING'), &
       & option_spec_type('STOP', 'DAMPING', kind_nonnegative, '', 's/m, s/rad', '0', &
-      &    'grows the force by this part per speed into the stop (Hunt and Crossley); its energy then counts as work')]
+      &    'grows the force by this part per speed into the stop (Hunt and Crossley); its energy then counts as work', &
+      &    only='LAW=SPRING')]
    !> Fields of its data lines
    type(field_spec_type), parameter :: fields(*) = [ &
       & field_spec_type('STOP', 'first point', kind_point, '', &
       & 'body.point: the distance of the points has the limits, or the place with AXIS'), &
       & field_spec_type('STOP', 'second point', kind_point, '', 'body.point')]
+   !> Words that LAW takes
+   type(word_spec_type), parameter :: words(*) = [ &
+      & word_spec_type('STOP', 'SPRING', 'STIFFNESS, EXPONENT and DAMPING give the force beyond the limit; it gives way'), &
+      & word_spec_type('STOP', 'RIGID', 'in *DYNAMICS: impacts with RESTITUTION at the touches, which are rows of /events of ' &
+      &    //'the results; behind its bounces the contact rests while it pushes, and opens when it would pull')]
    !> An example, as it stands in a deck of the tests
    character(*), parameter :: example(*) = [character(110) :: &
       & '*STOP, NAME=buffer, JOINT=left-guide, LEAST=-2, MOST=5, STIFFNESS=2e5, DAMPING=0.3']
@@ -58,7 +70,7 @@ module limber_elements_stop
 contains
 
    type(stop_element_type) function stop_element() result(element)
-      element%rows = keyword_rows_type(keyword, options, fields, [word_spec_type ::], example)
+      element%rows = keyword_rows_type(keyword, options, fields, words, example)
       element%round = 2
    end function stop_element
 
@@ -75,16 +87,63 @@ contains
       before = diagnostics%count
       associate (block => deck%blocks(index))
          call check_limits(block, diagnostics)
+         call check_law(block, diagnostics)
          call find_scalar(block, model, part, diagnostics)
          if (diagnostics%count > before) return
          part%origin = origin(block)
-         call write_law(block, law, diagnostics)
-         call set_law(part, law, 1.0_wp)
+         if (.not. is_rigid(block)) then
+            call write_law(block, law, diagnostics)
+            call set_law(part, law, 1.0_wp)
+         end if
          call append_part(model, part)
          call name_load(model, block%name(), size(model%load_parts))
          call describe_load(model, stretches=.true., angular=part%along == along_angle, from_second=.true.)
+         if (is_rigid(block)) call add_contacts(block, index, model)
       end associate
    end subroutine read
+
+   !> Whether the limits are never passed.
+   logical function is_rigid(block)
+      type(block_type), intent(in) :: block
+      is_rigid = block%word('LAW') == 'RIGID'
+   end function is_rigid
+
+   !> A contact at each limit.
+   subroutine add_contacts(block, index, model)
+      type(block_type), intent(in) :: block
+      !> Index of the block
+      integer, intent(in) :: index
+      type(model_type), intent(inout) :: model
+      logical :: both
+      both = block%given('LEAST') .and. block%given('MOST')
+      if (block%given('LEAST')) call append_contact(model, index, block%name()//trim(merge(' least', '      ', both)), 1, &
+         & block%real('LEAST'), block%real('RESTITUTION'))
+      if (block%given('MOST')) call append_contact(model, index, block%name()//trim(merge(' most', '     ', both)), -1, &
+         & block%real('MOST'), block%real('RESTITUTION'))
+   end subroutine add_contacts
+
+   !> Reports what the law needs and cannot have.
+   subroutine check_law(block, diagnostics)
+      type(block_type), intent(in) :: block
+      type(diagnostics_type), intent(inout) :: diagnostics
+      character(*), parameter :: of_switches(*) = [character(8) :: 'ACTIVE', 'INACTIVE']
+      integer :: i
+      if (.not. is_rigid(block)) then
+         if (.not. block%has('STIFFNESS')) call diagnostics%add(block%origin, "stop '"//block%name()//"' has no STIFFNESS", &
+            & 'add STIFFNESS=, or LAW=RIGID')
+         return
+      end if
+      do i = 1, size(of_switches)
+         if (block%has(trim(of_switches(i)))) call diagnostics%add(block%origin_of(trim(of_switches(i))), "stop '"// &
+            & block%name()//"' is rigid: no switch turns it off", 'remove '//trim(of_switches(i))//', or give a STIFFNESS'// &
+            & ' instead of LAW=RIGID')
+      end do
+      if (block%real('RESTITUTION') > 1.0_wp) call diagnostics%add(block%origin_of('RESTITUTION'), 'RESTITUTION='// &
+         & as_text(block%real('RESTITUTION'))//' makes each impact gain energy', 'give a number from 0 to 1')
+      if (.not. (block%given('LEAST') .and. block%given('MOST'))) return
+      if (.not. abs(block%real('MOST') - block%real('LEAST')) > 0.0_wp) call diagnostics%add(block%origin_of('MOST'), &
+         & "stop '"//block%name()//"' is rigid and leaves no way between its limits", 'let MOST be above LEAST')
+   end subroutine check_law
 
    !> Reports a stop without limits, and limits in the wrong order.
    subroutine check_limits(block, diagnostics)

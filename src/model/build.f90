@@ -18,6 +18,7 @@ module limber_model_build
    use limber_model_body_damping, only: add_damping
    use limber_model_event_checks, only: check_events
    use limber_model_element, only: elements, find_element
+   use limber_model_rigid_stops, only: add_touches, check_contacts
    use limber_model_curve_block, only: check_curve
    use limber_model_control_checks, only: check_controls
    use limber_model_control_laws, only: insert_outputs
@@ -70,7 +71,7 @@ contains
          & model%channels(0))
       allocate (model%load_parts(0), model%loads(0), model%assembly%deflections(0))
       allocate (model%scalars(0), model%spreads(0), model%events(0), model%switches(0), &
-         & model%controls(0))
+         & model%controls(0), model%contacts(0))
       call read_labels(deck, model)
       call add_point(model, 'ground.origin', ground, [0.0_wp, 0.0_wp])
       do i = 1, size(deck%blocks)
@@ -110,9 +111,11 @@ contains
          call trim_lists(model)
       end do
       call insert_outputs(model, diagnostics)
+      call add_touches(deck, model, diagnostics)
       call resolve_laws(model, diagnostics)
       call check_controls(deck, model, diagnostics)
       call check_events(deck, model, diagnostics)
+      call check_contacts(deck, model, diagnostics)
       ! Again, with the points of the ground that joints and loads use
       model%length = scene_length(model)
       do i = 1, size(deck%blocks)

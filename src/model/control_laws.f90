@@ -13,7 +13,7 @@ module limber_model_control_laws
    use limber_model_model, only: model_type, event_type, along_axis, event_switch, turn_on, turn_off
    implicit none
    private
-   public :: insert_outputs, insert_into
+   public :: insert_outputs, insert_into, append_event
 
 contains
 

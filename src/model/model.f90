@@ -18,6 +18,7 @@ module limber_model_model
    public :: model_type, body_type, whole_type, point_type, joint_type, function_term_type, term_type, driver_type
    public :: deflection_type
    public :: load_part_type, distributed_load_type, named_load_type, scalar_type, event_type, switch_type, control_type
+   public :: limit_contact_type
    public :: dynamics_type, analysis_step_type, channel_type, quantity_type, dimension_type, units_type
 
    !> Kinds of bodies: a point mass has a position only, other bodies also have a direction
@@ -367,8 +368,8 @@ module limber_model_model
       integer :: action = event_sample, number = 1
       !> Index of the switch that it turns, 0: none; turn_on, turn_off or toggle
       integer :: switch = 0, to = turn_on
-      !> Index of the control whose limit it is; 0 for events of the deck
-      integer :: control = 0
+      !> Index of the control whose limit it is, of the contact that it lets touch; both 0 for events of the deck
+      integer :: control = 0, contact = 0
    end type event_type
 
    !> A switch: loads, joints and drivers act while it is on, or while it is off
@@ -377,6 +378,20 @@ module limber_model_model
       !> Whether it is on at the start
       logical :: on = .true.
    end type switch_type
+
+   !> A limit of a rigid stop: the gap  side (s - limit)  cannot be negative, s as of its load without its free length
+   type :: limit_contact_type
+      !> Name in the table of events: that of the stop, with two limits also which of them
+      character(:), allocatable :: name
+      !> Index of the named load that has s, of the switch that is on while the contact is closed, of the event of the touch
+      integer :: load = 0, switch = 0, event = 0
+      !> 1: s is at least the limit, -1: at most
+      integer :: side = 1
+      !> Limit [length or rad]; restitution, the speed behind an impact over that before
+      real(wp) :: limit = 0.0_wp, restitution = 0.0_wp
+      !> Index of its block in the deck, for messages
+      integer :: block = 0
+   end type limit_contact_type
 
    !> A control: its output is a function of its states and inputs, which any law may depend on
    type :: control_type
@@ -518,6 +533,7 @@ module limber_model_model
       type(event_type), allocatable :: events(:)
       type(switch_type), allocatable :: switches(:)
       type(control_type), allocatable :: controls(:)
+      type(limit_contact_type), allocatable :: contacts(:)
       !> True for motion records: samples of the coordinates of all bodies, for drawings
       logical :: motion = .false.
       type(assembly_choice_type) :: assembly

@@ -8,7 +8,8 @@ module limber_model_quantities
    !> Kinds of objects of a quantity
    integer, parameter, public :: of_point = 1, of_body = 2, of_beam_point = 3, of_beam = 4, of_joint = 5, of_driver = 6, &
       & of_system = 7, of_spring = 8, of_translational = 9, of_turner = 10, of_pusher = 11, of_powered = 12, &
-      & of_flexible_point = 13, of_section = 14, of_coupler = 15, of_control = 16, of_state = 17
+      & of_flexible_point = 13, of_section = 14, of_coupler = 15, of_control = 16, of_state = 17, &
+      & of_contact = 18
 
    !> Index of each quantity in the table
    integer, parameter, public :: quantity_x = 1, quantity_y = 2, quantity_vx = 3, quantity_vy = 4, quantity_ax = 5, &
@@ -21,7 +22,8 @@ module limber_model_quantities
       & quantity_force = 28, quantity_power = 29, quantity_elongation = 30, quantity_rate = 31, &
       & quantity_axial_force = 32, quantity_shear_force = 33, quantity_bending_moment = 34, quantity_stress_top = 35, &
       & quantity_stress_bottom = 36, quantity_momentum_x = 37, quantity_momentum_y = 38, quantity_angular_momentum = 39, &
-      & quantity_coupling = 40, quantity_output = 41, quantity_state = 42
+      & quantity_coupling = 40, quantity_output = 41, quantity_state = 42, quantity_closed = 43, &
+      & quantity_lost = 44
 
    !> One row of the table
    type :: quantity_spec_type
@@ -37,7 +39,7 @@ module limber_model_quantities
       character(100) :: meaning
    end type quantity_spec_type
 
-   type(quantity_spec_type), parameter :: quantities(42) = [ &
+   type(quantity_spec_type), parameter :: quantities(44) = [ &
       & quantity_spec_type('x', of_point, [1, 0, 0], .false., 'position of a point along the fixed x axis'), &
       & quantity_spec_type('y', of_point, [1, 0, 0], .false., 'position of a point along the fixed y axis'), &
       & quantity_spec_type('vx', of_point, [1, -1, 0], .false., 'velocity of a point along x'), &
@@ -109,7 +111,9 @@ module limber_model_quantities
       & quantity_spec_type('output', of_control, [0, 0, 0], .false., &
       &    'output of a control, in the unit that its gains make of its inputs'), &
       & quantity_spec_type('state', of_state, [0, 0, 0], .false., &
-      &    'state of a control, in that unit times a power of the time: state(name.x1), state(name.x2), ...')]
+      &    'state of a control, in that unit times a power of the time: state(name.x1), state(name.x2), ...'), &
+      & quantity_spec_type('closed', of_contact, [0, 0, 0], .false., '1 while a rigid stop rests at a limit, else 0'), &
+      & quantity_spec_type('lost', of_contact, [2, -2, 1], .false., 'energy that impacts of a rigid stop have lost in this motion')]
 
    !> Flexible bodies, and their frames
    character(100), parameter :: frames(2, 7) = reshape([character(100) :: &
@@ -216,9 +220,10 @@ contains
    pure function argument(of) result(name)
       integer, intent(in) :: of
       character(24) :: name
-      character(24), parameter :: names(17) = [character(24) :: 'point', 'body', 'point of a beam', 'beam', 'joint', &
+      character(24), parameter :: names(18) = [character(24) :: 'point', 'body', 'point of a beam', 'beam', 'joint', &
          & 'driver', 'system', 'spring', 'spring', 'driver, spring', 'joint, bushing', 'driver, coupler, load', &
-         & 'point of a beam or frame', 'point of a beam or frame', 'coupler', 'control', 'state of a control']
+         & 'point of a beam or frame', 'point of a beam or frame', 'coupler', 'control', 'state of a control', &
+         & 'rigid stop']
       name = names(of)
    end function argument
 

@@ -13,9 +13,9 @@ module limber_model_requested_channels
    use limber_model_points, only: find_point, find_body, find_named, enter_name
    use limber_model_quantities, only: quantities, of_point, of_body, of_beam_point, of_beam, of_joint, of_driver, of_spring, &
       & of_system, of_translational, of_turner, of_pusher, of_powered, quantity_elongation, quantity_rate, &
-      & of_flexible_point, of_section, of_coupler, of_control, of_state, quantity_output, &
+      & of_flexible_point, of_section, of_coupler, of_control, of_state, of_contact, quantity_output, &
       & quantity_stress_top, quantity_stress_bottom, &
-      & quantity_kinetic, quantity_potential, quantity_work
+      & quantity_kinetic, quantity_potential, quantity_work, quantity_lost
    use limber_model_unit_rules, only: expression_units
    use limber_model_references, only: find_reference, warn_of_zero
    use limber_model_model, only: model_type, body_type, channel_type, quantity_type, dimension_type, body_point, &
@@ -250,6 +250,10 @@ contains
       case (of_translational)
          call find_load(model, slot, model%loads%stretches .and. .not. model%loads%angular, quantity)
          if (quantity%of == 0) call diagnostics%add(slot%origin, "there is no spring '"//slot%argument//"'", object=slot%argument)
+      case (of_contact)
+         call find_load(model, slot, [(any(model%contacts%load == i), i=1, size(model%loads))], quantity)
+         if (quantity%of == 0) call diagnostics%add(slot%origin, "there is no rigid stop '"//slot%argument//"'", &
+            & object=slot%argument)
       case (of_system)
          quantity%of = 0
          if (slot%argument /= 'system') call diagnostics%add(slot%origin, "'"//slot%name//"' is asked of the whole", &
@@ -429,7 +433,7 @@ contains
          ! The gains of a control may have any unit
          if (asked(i)%kind > 0) slots(i)%open = any(quantities(asked(i)%kind)%of == [of_control, of_state])
          slots(i)%moment = all(asked(i)%dimension == energy) .and. .not. asked(i)%angular .and. &
-            & all(asked(i)%kind /= [quantity_kinetic, quantity_potential, quantity_work])
+            & all(asked(i)%kind /= [quantity_kinetic, quantity_potential, quantity_work, quantity_lost])
       end do
    end function slot_dimensions
 

@@ -9,6 +9,7 @@ module limber_multibody_system
    use limber_multibody_beam_axis, only: centreline_type, new_centreline
    use limber_multibody_constraint, only: constraint_item_type, jacobian_type, new_jacobian
    use limber_multibody_constraint_list, only: new_joint, new_driver
+   use limber_multibody_contact_constraints, only: new_contact
    use limber_multibody_idle_parts, only: set_constraint, set_load
    use limber_multibody_kinematics, only: kinematics_type, new_kinematics
    use limber_multibody_force_elements, only: force_element_type
@@ -20,11 +21,12 @@ module limber_multibody_system
    implicit none
    private
    public :: system_type, new_system, workspace_type, new_workspace, body_workspace_type, mark_block, block_place
-   public :: let_act, number_equations, switch_of
+   public :: let_act, number_equations, switch_of, contact_constraint, number_of_contacts
 
    !> The equations; constant once it is built
    type, extends(registry_type) :: system_type
-      !> Joints first, then drivers, in the order of the model, then the parts that some of them have more than one of
+      !> Joints first, then drivers, in the order of the model, then the parts that some of them have more than one of, then the
+      !> contacts of rigid stops
       type(constraint_item_type), allocatable :: constraints(:)
       !> One for each part of the loads of the model, in their order
       type(load_item_type), allocatable :: loads(:)
@@ -138,6 +140,7 @@ contains
       end do
       call new_constraints(model, system)
       system%held_angles = size(system%angles)
+      call new_contacts(model, system)
       call new_loads(system, loads)
       call move_alloc(loads, system%loads)
       call new_event_scalars(system, events)
@@ -162,7 +165,7 @@ contains
       end do
    end function new_system
 
-   !> Joints, drivers, and further parts of couplers, with their equations.
+   !> Joints, drivers, and further parts of couplers, with their equations; and places for the contacts.
    subroutine new_constraints(model, system)
       type(model_type), intent(in) :: model
       type(system_type), intent(inout) :: system
@@ -177,7 +180,7 @@ contains
       do i = 1, size(model%drivers)
          call new_driver(system, i, whole(joints + i)%item)
       end do
-      allocate (system%constraints(size(whole) + size(parts)))
+      allocate (system%constraints(size(whole) + size(parts) + number_of_contacts(model)))
       do i = 1, size(whole)
          call move_alloc(whole(i)%item, system%constraints(i)%item)
       end do
@@ -191,6 +194,31 @@ contains
          end associate
       end do
    end subroutine new_constraints
+
+   !> Contacts, in the places that are left behind the other constraints.
+   subroutine new_contacts(model, system)
+      type(model_type), intent(in) :: model
+      type(system_type), intent(inout) :: system
+      integer :: i
+      do i = 1, number_of_contacts(model)
+         call new_contact(system, i, system%constraints(contact_constraint(system, i))%item)
+      end do
+   end subroutine new_contacts
+
+   !> Number of contacts of rigid stops.
+   pure integer function number_of_contacts(model) result(number)
+      type(model_type), intent(in) :: model
+      number = 0
+      if (allocated(model%contacts)) number = size(model%contacts)
+   end function number_of_contacts
+
+   !> Index of the constraint of a contact.
+   pure integer function contact_constraint(system, contact) result(constraint)
+      type(system_type), intent(in) :: system
+      !> Its index in the model
+      integer, intent(in) :: contact
+      constraint = size(system%constraints) - size(system%model%contacts) + contact
+   end function contact_constraint
 
    !> Lets joints, drivers and loads act as the switches are.
    subroutine let_act(system)
@@ -215,6 +243,8 @@ contains
       joints = size(system%model%joints)
       if (number <= joints) then
          switch = system%model%joints(number)%switch
+      else if (number > size(system%constraints) - number_of_contacts(system%model)) then
+         switch = system%model%contacts(number + number_of_contacts(system%model) - size(system%constraints))%switch
       else
          switch = system%model%drivers(number - joints)%switch
       end if

@@ -17,7 +17,7 @@ module limber_output_channel_values
    use limber_multibody_point_motion, only: point_position, point_velocity, point_acceleration
    use limber_multibody_beam_place, only: find_place, find_deflection
    use limber_multibody_momentum, only: total_momentum
-   use limber_multibody_system, only: system_type, workspace_type
+   use limber_multibody_system, only: system_type, workspace_type, number_of_contacts
    implicit none
    private
    public :: recorder_type, new_recorder, channel_values, sample_width
@@ -48,6 +48,8 @@ module limber_output_channel_values
       real(wp) :: kinetic = 0.0_wp, potential = 0.0_wp, work = 0.0_wp
       !> Momentum along x and y, and about the fixed origin
       real(wp) :: momentum(3) = 0.0_wp
+      !> Energy that impacts at rigid stops have lost (contacts)
+      real(wp), allocatable :: lost(:)
    contains
       procedure :: exchange => exchange_recorder
    end type recorder_type
@@ -98,6 +100,7 @@ contains
       allocate (recorder%efforts, source=new_efforts(system))
       if (system%model%motion) allocate (recorder%drawn, source=new_drawn(system%model))
       recorder%turns = new_turns(system, q)
+      allocate (recorder%lost(number_of_contacts(system%model)), source=0.0_wp)
    end function new_recorder
 
    !> Lists what is asked for. What several channels ask for, mostly channels that stand together, is found once.
@@ -243,7 +246,11 @@ contains
       vector = 0.0_wp
       value = 0.0_wp
       if (quantity%of_load) then
-         value = load_value(system, work, quantity)
+         if (quantity%kind == quantity_lost) then
+            value = sum(recorder%lost, mask=system%model%contacts%load == quantity%of)
+         else
+            value = load_value(system, work, quantity)
+         end if
          return
       end if
       select case (quantity%kind)
@@ -416,6 +423,7 @@ contains
       call snapshot%exchange('potential', self%potential)
       call snapshot%exchange('work', self%work)
       call snapshot%exchange('momentum', self%momentum)
+      call snapshot%exchange('lost', self%lost)
       ! Not saved: needs_places, needs_velocities, needs_accelerations, needs_energy, needs_momentum, needs_work, needs_sections
       ! Not saved: drawn, asked, which, found, slots
    end subroutine exchange_recorder

@@ -2,12 +2,13 @@
 module limber_output_load_channels
    use limber_base_kinds, only: wp
    use limber_model_quantities, only: quantity_force_x, quantity_force_y, quantity_moment, quantity_power, quantity_elongation, &
-      & quantity_rate, quantity_torque
+      & quantity_rate, quantity_tension, quantity_torque, quantity_closed
    use limber_model_model, only: quantity_type
+   use limber_multibody_contact_impulses, only: contact_push
    use limber_multibody_force_elements, only: force_element_type
    use limber_multibody_kinematics, only: kinematics_type
    use limber_multibody_load, only: load_type
-   use limber_multibody_system, only: system_type, workspace_type
+   use limber_multibody_system, only: system_type, workspace_type, number_of_contacts
    implicit none
    private
    public :: load_value
@@ -34,12 +35,31 @@ contains
             value = force(merge(1, 2, quantity%kind == quantity_force_x))
          case (quantity_moment)
             value = spring_value(system%loads(last)%item, work%kinematics, quantity_moment)
+         case (quantity_closed)
+            if (any(system%model%contacts%load == quantity%of .and. system%on(system%model%contacts%switch))) value = 1.0_wp
          case default
             value = spring_value(system%loads(first)%item, work%kinematics, quantity%kind)
+            if (quantity%kind == quantity_tension .or. quantity%kind == quantity_torque) value = value &
+               & + rigid_pull(system, work, quantity%of)
             if (quantity%kind == quantity_torque .and. system%model%loads(quantity%of)%from_second) value = -value
          end select
       end associate
    end function load_value
+
+   !> Pull of the contacts of a rigid stop; zero of all other loads.
+   pure real(wp) function rigid_pull(system, work, load) result(pull)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(in) :: work
+      !> Index of the named load
+      integer, intent(in) :: load
+      integer :: i
+      pull = 0.0_wp
+      do i = 1, number_of_contacts(system%model)
+         associate (contact => system%model%contacts(i))
+            if (contact%load == load) pull = pull - contact%side*contact_push(system, work, i)
+         end associate
+      end do
+   end function rigid_pull
 
    !> Elongation, its rate, tension or torque of a spring.
    real(wp) function spring_value(load, kinematics, kind) result(value)

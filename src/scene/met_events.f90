@@ -10,17 +10,17 @@ module limber_scene_met_events
 
    !> Rows at most: a scalar that goes to and fro without an end must not fill the memory
    integer, parameter :: most_rows = 100000
-   !> Numbers of a row before the channels: time, index of the event, direction, state of the switch, change of the energy
-   integer, parameter :: heads = 5
+   !> Numbers of a row before the channels: time, index of the event, direction, state of the switch, change of the energy, impulse
+   integer, parameter :: heads = 6
 
    !> Rows in the order of time
    type :: met_events_type
       integer :: count = 0
       !> Time, index of the event, direction (1 or -1), the switch turned on 1, off -1, or none turned 0, and by how much the energy
-      !> changes thereby, channels (5 + channels, at least count)
+      !> changes thereby, impulse of a contact, channels (6 + channels, at least count)
       real(wp), allocatable, private :: rows(:, :)
    contains
-      procedure :: add, turn, join, times, indices, directions, turns, energies, channel, report
+      procedure :: add, turn, strike, join, times, indices, directions, turns, energies, impulses, channel, report
       procedure :: exchange => exchange_events
    end type met_events_type
 
@@ -43,7 +43,7 @@ contains
          call move_alloc(longer, self%rows)
       end if
       self%count = self%count + 1
-      self%rows(:heads, self%count) = [t, real(event, wp), real(direction, wp), 0.0_wp, 0.0_wp]
+      self%rows(:heads, self%count) = [t, real(event, wp), real(direction, wp), 0.0_wp, 0.0_wp, 0.0_wp]
       self%rows(heads + 1:, self%count) = values
    end subroutine add
 
@@ -62,6 +62,16 @@ contains
       if (row > 0 .and. self%count < most_rows) self%rows(4:5, row) = [merge(1.0_wp, -1.0_wp, on), energy]
    end subroutine turn
 
+   !> Notes in the last row what a contact does there.
+   subroutine strike(self, turned, energy, impulse)
+      class(met_events_type), intent(inout) :: self
+      !> 1 if it closes, -1 if it opens, 0 if it only strikes
+      integer, intent(in) :: turned
+      !> By how much the energy of the scene changes thereby, and its impulse, positive where it pushes
+      real(wp), intent(in) :: energy, impulse
+      self%rows(4:6, self%count) = [real(turned, wp), energy, impulse]
+   end subroutine strike
+
    !> Adds the rows of a later analysis.
    subroutine join(self, later)
       class(met_events_type), intent(inout) :: self
@@ -69,7 +79,7 @@ contains
       integer :: i
       do i = 1, later%count
          call self%add(later%rows(1, i), nint(later%rows(2, i)), nint(later%rows(3, i)), later%rows(heads + 1:, i))
-         self%rows(4:5, self%count) = later%rows(4:5, i)
+         self%rows(4:heads, self%count) = later%rows(4:heads, i)
       end do
    end subroutine join
 
@@ -108,6 +118,13 @@ contains
       energies = self%rows(5, :self%count)
    end function energies
 
+   !> Impulses of contacts, positive where they push; zero of all other events (count).
+   pure function impulses(self)
+      class(met_events_type), intent(in) :: self
+      real(wp) :: impulses(self%count)
+      impulses = self%rows(6, :self%count)
+   end function impulses
+
    !> A channel in all rows (count).
    pure function channel(self, index)
       class(met_events_type), intent(in) :: self
@@ -137,9 +154,28 @@ contains
             if (n > 1) text = text//', and '//as_text(n - 1)//' more up to t = '// &
                & as_text(self%rows(1, findloc(index, i, dim=1, back=.true.)), 10)//' '//time_unit
          end if
-         if (n > 0 .and. events(i)%action == event_switch) text = text//told_turns(self, index == i)
+         if (n > 0 .and. events(i)%contact > 0) then
+            text = text//told_contact(self, index == i)
+         else if (n > 0 .and. events(i)%action == event_switch) then
+            text = text//told_turns(self, index == i)
+         end if
       end do
    end function report
+
+   !> What a contact has done: impacts, energy lost in them, how often it has opened and rested.
+   pure function told_contact(self, mask) result(text)
+      type(met_events_type), intent(in) :: self
+      !> Its rows (count)
+      logical, intent(in) :: mask(:)
+      character(:), allocatable :: text
+      integer :: impacts
+      impacts = count(mask .and. self%impulses() > 0.0_wp)
+      text = ', '//as_text(impacts)//' impact'
+      if (impacts /= 1) text = text//'s'
+      text = text//', the energy changed by '//as_text(sum(self%energies(), mask=mask), 6)
+      if (any(mask .and. self%turns() > 0)) text = text//', at rest '//as_text(count(mask .and. self%turns() > 0))//' times'
+      if (any(mask .and. self%turns() < 0)) text = text//', opened '//as_text(count(mask .and. self%turns() < 0))//' times'
+   end function told_contact
 
    !> What turns of a switch have changed; empty if no switch was turned.
    pure function told_turns(self, mask) result(text)

@@ -75,6 +75,8 @@ contains
             ! One between the segments of a beam
             if (block == 0) beam = scene%deck%find_named('BEAM|FRAME', name_in_deck(model, &
                & model%points(model%joints(number)%points(1))%body))
+         else if (number > size(model%joints) + size(model%drivers)) then
+            block = model%contacts(number + size(model%contacts) - size(scene%system%constraints))%block
          else
             associate (name => model%drivers(number - size(model%joints))%name)
                block = scene%deck%find_named('DRIVER', name)

@@ -1,6 +1,6 @@
 !> Interrupted runs have the bits of whole ones with all that a run may remember: breaks of drivers and loads, envelopes, axial
 !> coordinates at rest, elements of K_G, redundant constraints, estimates of errors, scalars, prescribed motions, curves, motions
-!> for drawings, events, switches, controls.
+!> for drawings, events, switches, controls, rigid stops.
 program test_restart_features
    use pieces, only: compare_pieces
    use testing, only: finish
@@ -80,6 +80,14 @@ contains
             & 'END=0.8, TOLERANCE=1e-5, OUTPUTS=80, INTEGRATOR='//integrators(i)//nl//'*DYNAMICS, END=1, OUTPUTS=9, '// &
             & 'INTEGRATOR='//integrators(i), '*TORQUE', '*CONTROL, NAME=i, TYPE=PID, KP=2, KI=4, KD=1, FILTER=0.1, MOST=1'//nl// &
             & ' output(motor)'//nl//'*CONTROL, NAME=h, TYPE=HYSTERESIS, LEAST=-1.5, MOST=-1.3'//nl//' angle(arm)'//nl//'*TORQUE')
+      end do
+      ! Rigid stops: impacts, rest, release; bounces that come to an end
+      do i = 1, size(integrators)
+         call compare_pieces('rocking_block', results, 5, 'END=3.5, OUTPUTS=350, TOLERANCE=1e-9, INTEGRATOR=RADAU', &
+            & 'END=2, OUTPUTS=100, TOLERANCE=1e-5, INTEGRATOR='//integrators(i), '*OUTPUT', '** '//integrators(i)//nl//'*OUTPUT')
+         call compare_pieces('pendulum', results, 5, 'END=10, TOLERANCE=1e-11, OUTPUTS=200', &
+            & 'END=4, TOLERANCE=1e-5, OUTPUTS=100, INTEGRATOR='//integrators(i), '*OUTPUT', '*STOP, NAME=wall, AXIS=0, '// &
+            & 'LEAST=0.2, LAW=RIGID, RESTITUTION=0.4'//nl//' bob, ground.origin'//nl//'*OUTPUT'//nl//' lost(wall), closed(wall)')
       end do
    end subroutine test_all
 

@@ -13,8 +13,9 @@ with limber.open(deck, reach=0.9) as run:
     for step in range(round(run.end / period)):
         now = run.values()
         error = wanted - now["angle_arm"]
-        integral += period * error
-        run.inputs["u"] = 60 * error + 60 * integral - 12 * now["spin_arm"]
+        if abs(error) < 0.3:
+            integral += period * error
+        run.inputs["u"] = 60 * error + 100 * integral - 12 * now["spin_arm"]
         run.advance((step + 1) * period)
     results = run.samples()
 

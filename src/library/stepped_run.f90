@@ -185,7 +185,7 @@ contains
       !> The run could not go on: why, and when. What it has computed up to there stays
       type(error_type), allocatable, intent(out) :: error
       type(bookmark_type), allocatable :: start
-      logical :: again
+      real(wp) :: target
       if (self%has_failed) then
          call raise(error, self%failure, status_run)
          return
@@ -195,31 +195,33 @@ contains
             & '; it can by a state that was saved', status_deck)
          return
       end if
-      if (t < huge(t)) call begin_motion(self, error)
+      ! Nothing is left to wait for at the end
+      target = t
+      if (t >= self%end) target = huge(t)
+      if (target < huge(t)) call begin_motion(self, error)
       if (allocated(error)) return
       if (self%is_complete) then
          self%time = max(self%time, min(t, self%end))
          return
       end if
       if (.not. allocated(self%now)) then
-         call self%run_piece(t, error=error)
+         call self%run_piece(target, error=error)
          return
       end if
-      if (self%now%between .and. t <= self%now%from) then
+      if (self%now%between .and. target <= self%now%from) then
          self%time = t
          return
       end if
       ! What the integrator has left behind it is shown from the place before
-      again = t < self%now%from
-      if (again) then
+      if (target < self%now%from) then
          allocate (start, source=self%earlier)
-         call self%run_piece(t, start, error)
+         call self%run_piece(target, start, error)
          return
       end if
       self%now%is_given = self%scene%system%is_given
       self%now%given = self%scene%system%given
       allocate (start, source=self%now)
-      call self%run_piece(t, start, error)
+      call self%run_piece(target, start, error)
       if (.not. allocated(error)) call move_alloc(start, self%earlier)
    end subroutine advance_run
 

@@ -2,6 +2,7 @@
 
 from setuptools import setup
 from setuptools.dist import Distribution
+from wheel.bdist_wheel import bdist_wheel
 
 
 class WithLibrary(Distribution):
@@ -9,4 +10,9 @@ class WithLibrary(Distribution):
         return True
 
 
-setup(distclass=WithLibrary)
+class ForAnyPython(bdist_wheel):
+    def get_tag(self):
+        return "py3", "none", super().get_tag()[2]
+
+
+setup(distclass=WithLibrary, cmdclass={"bdist_wheel": ForAnyPython})

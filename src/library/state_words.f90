@@ -66,7 +66,7 @@ contains
       call list%pass(numbers)
       times = [saved%time, saved%place%from]
       call list%pass(times)
-      flags = [saved%place%between]
+      flags = [saved%place%between, saved%place%follows_motion]
       call list%pass(flags)
       call list%pass(saved%place%reals)
       call list%pass(saved%place%integers)
@@ -77,7 +77,7 @@ contains
       call list%pass(saved%is_given)
       call list%pass(saved%given)
       if (list%is_short) return
-      if (size(numbers) /= 1 .or. size(times) /= 2 .or. size(flags) /= 1) then
+      if (size(numbers) /= 1 .or. size(times) /= 2 .or. size(flags) /= 2) then
          list%is_short = .true.
          return
       end if
@@ -85,6 +85,7 @@ contains
       saved%time = times(1)
       saved%place%from = times(2)
       saved%place%between = flags(1)
+      saved%place%follows_motion = flags(2)
    end subroutine exchange_state
 
    !> Passes the number of items, then room for them in the list; they begin behind `at` less that room.

@@ -44,8 +44,8 @@ module limber_library_stepped_run
       !> Earliest time that can be shown from there; samples before it
       real(wp) :: from = 0.0_wp
       integer :: samples = 0
-      !> Whether it is between two analyses
-      logical :: between = .false.
+      !> Whether it is between two analyses, and the one before is a *DYNAMICS
+      logical :: between = .false., follows_motion = .false.
       !> Inputs on the way to the time of the run: whether they are set, and their values (controls)
       logical, allocatable :: is_given(:)
       real(wp), allocatable :: given(:)
@@ -208,12 +208,11 @@ contains
          call self%run_piece(target, error=error)
          return
       end if
-      if (self%now%between .and. target <= self%now%from) then
+      if (self%now%between .and. .not. self%now%follows_motion .and. target <= self%now%from) then
          self%time = t
          return
       end if
-      ! What the integrator has left behind it is shown from the place before
-      if (target < self%now%from) then
+      if (is_behind(self%now, target)) then
          allocate (start, source=self%earlier)
          call self%run_piece(target, start, error)
          return
@@ -224,6 +223,14 @@ contains
       call self%run_piece(target, start, error)
       if (.not. allocated(error)) call move_alloc(start, self%earlier)
    end subroutine advance_run
+
+   !> Whether the integrator has left a time behind it, which is then shown from the place before.
+   pure logical function is_behind(place, t)
+      type(bookmark_type), intent(in) :: place
+      real(wp), intent(in) :: t
+      is_behind = t < place%from .and. .not. place%between
+      if (place%follows_motion) is_behind = t <= place%from
+   end function is_behind
 
    !> Goes to the first pause, at the start, unless the run has begun.
    subroutine begin_motion(self, error)
@@ -324,7 +331,8 @@ contains
          self%now%integers = guard%snapshot%integers
          self%now%from = guard%from
          self%now%samples = self%store%count
-         self%now%between = .not. allocated(guard%values)
+         self%now%between = guard%is_between
+         self%now%follows_motion = guard%is_between .and. moves
          self%now%is_given = is_given
          self%now%given = given
          call take_shown()
@@ -449,8 +457,7 @@ contains
             & ' state there', status_deck)
          return
       end if
-      ! A time that the integrator has left behind it is shown from the place before
-      if (self%time < self%now%from .and. .not. self%now%between) then
+      if (is_behind(self%now, self%time)) then
          saved%place = self%earlier
       else
          saved%place = self%now

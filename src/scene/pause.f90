@@ -12,6 +12,8 @@ module limber_scene_pause
 
    !> The guard of a run that pauses at the time `until`; no signals, no files
    type, extends(interruption_type) :: pause_type
+      !> Whether the run pauses between two analyses
+      logical :: is_between = .false.
    contains
       procedure :: asks => asks_for_pause, asks_between => asks_for_pause_between, write => keep_in_memory
       procedure :: interrupt => end_at_pause
@@ -33,6 +35,7 @@ contains
       real(wp), intent(in) :: t
       logical, intent(out) :: save, stop
       self%paused = self%pauses(t)
+      self%is_between = self%paused
       if (self%paused) self%from = t
       save = self%paused
       stop = self%paused

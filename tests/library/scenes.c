@@ -233,6 +233,38 @@ static void check_inputs(void)
   limber_close(run);
 }
 
+/* Pauses within the last step of a motion that another one follows: a free mass moves by x = t */
+static void check_two_motions(void)
+{
+  const char *deck = "*POINT MASS, NAME=bob, MASS=1, VX=1\n*DYNAMICS, END=1, OUTPUTS=2\n*DYNAMICS, END=2, OUTPUTS=2\n"
+                     "*OUTPUT\n x(bob)\n";
+  limber_run *run = limber_open_text(deck, "free.inp", ""), *other;
+  double value, again, q[2], v[2];
+  int i;
+  check(limber_status(run) == LIMBER_OK, limber_error(run));
+  for (i = 1; i < 40; i++) {
+    size_t size;
+    void *state;
+    check(limber_advance(run, 0.05 * i) == LIMBER_OK, limber_error(run));
+    limber_values(run, &value);
+    limber_state(run, q, v);
+    check(fabs(value - 0.05 * i) < 1e-9 && fabs(q[0] - 0.05 * i) < 1e-9 && fabs(v[0] - 1) < 1e-9, "a pause in two motions");
+    if (fabs(value - 0.05 * i) > 1e-9) printf("x = %g at t = %g\n", value, 0.05 * i);
+    size = limber_save(run, NULL, 0);
+    check(size > 0, limber_error(run));
+    state = malloc(size);
+    limber_save(run, state, size);
+    other = limber_open_text(deck, "free.inp", "");
+    check(limber_restore(other, state, size) == LIMBER_OK, limber_error(other));
+    limber_values(other, &again);
+    check(again == value && limber_time(other) == limber_time(run), "a state in two motions");
+    limber_close(other);
+    free(state);
+  }
+  check(limber_finish(run) == LIMBER_OK && limber_sample_count(run) == 6, "samples of two motions");
+  limber_close(run);
+}
+
 int main(int count, char **words)
 {
   if (count < 3) return 2;
@@ -244,5 +276,6 @@ int main(int count, char **words)
   check_errors();
   check_lists();
   check_inputs();
+  check_two_motions();
   return faults > 0;
 }

@@ -151,8 +151,8 @@ contains
       system%powered = any([(system%constraints(i)%item%driven, i=1, size(system%constraints))])
       system%loaded = any([(system%loads(i)%item%powered, i=1, size(system%loads))])
       allocate (system%on, source=first_states(model))
-      allocate (system%is_given(size(model%controls)), source=.false.)
-      allocate (system%given(size(model%controls)), source=0.0_wp)
+      allocate (system%is_given(size(system%inputs)), source=.false.)
+      allocate (system%given(size(system%inputs)), source=0.0_wp)
       ! A switch may put in energy, or take it
       if (size(system%on) > 0) system%loaded = .true.
       call let_act(system)

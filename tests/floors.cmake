@@ -2,7 +2,7 @@
 # Folders are floors; a module uses modules of its own floor or below, and its name is its path. No name of a file, and none of a
 # type, occurs twice.
 cmake_policy(VERSION 3.25)
-set(floors base deck beam model elements multibody integrator output monitor scene analysis accuracy commands main)
+set(floors base deck beam model elements multibody integrator output monitor scene analysis accuracy commands library main)
 
 file(GLOB_RECURSE sources RELATIVE "${SOURCE}" "${SOURCE}/*.f90" "${SOURCE}/*.f90.in")
 set(faults "")

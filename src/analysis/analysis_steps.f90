@@ -29,9 +29,9 @@ module limber_analysis_analysis_steps
       & step_modes, &
       & step_dynamics, event_stop, stop_unstable, velocities_none, velocities_of_deck
    use limber_output_channel_values, only: recorder_type, new_recorder
-   use limber_output_history, only: history_type
    use limber_output_internal_forces, only: join_envelopes
    use limber_output_progress, only: progress_type
+   use limber_output_sample_sink, only: sink_type
    use limber_multibody_assembly, only: assemble, first_guess, turn_rates
    use limber_multibody_control_states, only: keep_states
    use limber_multibody_equations_of_motion, only: linearise, worst_constraint
@@ -62,7 +62,7 @@ contains
       !> Of the deck, for the progress
       character(*), intent(in) :: path
       logical, intent(in) :: quiet
-      class(history_type), intent(inout) :: history
+      class(sink_type), intent(inout) :: history
       type(passed_type), intent(out) :: passed
       !> Of all together: sums, and the worst
       type(outcome_type), intent(out) :: outcome
@@ -72,7 +72,7 @@ contains
       !> Which analysis could not finish, and why
       type(error_type), allocatable, intent(out) :: error
       !> Lets the run be interrupted and go on
-      type(interruption_type), intent(inout), optional :: guard
+      class(interruption_type), intent(inout), optional :: guard
       type(outcome_type) :: part
       type(progress_type) :: progress
       character(:), allocatable :: lines
@@ -150,7 +150,7 @@ contains
          call guard%snapshot%begin(.false.)
          call exchange(guard%snapshot)
          call guard%snapshot%mark()
-         call guard%asks_between(save, ends)
+         call guard%asks_between(passed%end(i - 1), save, ends)
          if (save) call guard%write(history, 0, scene%system%model%steps(i)%dynamics%start, error)
          if (ends .and. .not. allocated(error)) call guard%interrupt(scene%system%model%steps(i)%dynamics%start, error)
       end subroutine look_at_guard
@@ -238,13 +238,13 @@ contains
    subroutine run_step(scene, i, history, progress, part, statistics, lines, error, guard)
       type(scene_type), intent(inout) :: scene
       integer, intent(in) :: i
-      class(history_type), intent(inout) :: history
+      class(sink_type), intent(inout) :: history
       type(progress_type), intent(inout) :: progress
       type(outcome_type), intent(out) :: part
       type(step_statistics_type), intent(inout) :: statistics
       character(:), allocatable, intent(out) :: lines
       type(error_type), allocatable, intent(out) :: error
-      type(interruption_type), intent(inout), optional :: guard
+      class(interruption_type), intent(inout), optional :: guard
       !> Rates of a scene whose modes are found within a second
       integer, parameter :: quick = 400
       class(integrator_type), allocatable :: integrator

@@ -42,9 +42,9 @@ module limber_analysis_dynamic_analysis
    use limber_output_channel_values, only: recorder_type, new_recorder, sample_width
    use limber_output_internal_forces, only: renew_efforts
    use limber_output_progress, only: progress_type
-   use limber_output_sample_sink, only: sink_type
+   use limber_output_sample_sink, only: sink_type, memory_type
    use limber_output_followed_turns, only: follow_places, follow_motion
-   use limber_multibody_control_states, only: next_sample, take_samples
+   use limber_multibody_control_states, only: next_sample, take_samples, has_inputs
    use limber_multibody_kinematics, only: place_frames, move_frames, settle_angles
    use limber_multibody_multiplier_system, only: place_constraints
    use limber_multibody_switching, only: exchange_switches
@@ -67,7 +67,7 @@ contains
       !> The run could not finish: which body, joint or constraint, when, and what to try
       type(error_type), allocatable, intent(out) :: error
       !> Lets the run be interrupted and go on
-      type(interruption_type), intent(inout), optional :: guard
+      class(interruption_type), intent(inout), optional :: guard
       !> Steps of the run whose companion this is
       type(bound_steps_type), intent(in), optional :: pace
       type(recorder_type) :: recorder
@@ -149,7 +149,7 @@ contains
       real(wp), intent(in) :: cpu
       type(outcome_type), intent(inout) :: outcome
       type(error_type), allocatable, intent(out) :: error
-      type(interruption_type), intent(inout), optional :: guard
+      class(interruption_type), intent(inout), optional :: guard
       type(bound_steps_type), intent(in), optional :: pace
       !> Part of the way from one break to the next at which the first step ends at the latest
       real(wp), parameter :: first_part = 0.125_wp
@@ -174,6 +174,8 @@ contains
       logical :: sampled
       integer :: passed, seen, begun
       logical :: at_station, cut, stiff, changes, first, again, turns
+      !> Whether the last pass is not at its end, because the run pauses before its inputs are taken
+      logical :: waiting
       !> What an event in the last step does, event_switch, ...; 0: nothing
       integer :: action
       call find_instants(scene%system%model, breaks, stations, outcome)
@@ -186,6 +188,8 @@ contains
       last = last_instant(scene%system%model, dynamics%start, dynamics%end)
       next_instant = next_sample(scene%system, t, near)
       sampled = next_instant < huge(t)
+      changes = .false.
+      waiting = .false.
       sample%q = scene%q
       sample%v = scene%v
       call new_contacts(contacts, scene%system, integrator%tolerance)
@@ -216,6 +220,7 @@ contains
                & ' first sample are not determined; begin a little behind it')
          end if
       end if
+      if (present(guard) .and. .not. allocated(error)) call go_on_from_pause()
       do while (sample%next <= dynamics%outputs .and. .not. allocated(error))
          if (integrator%statistics%steps >= dynamics%maximum_steps) then
             text = ''
@@ -340,10 +345,9 @@ contains
          if (t >= contacts%hold - near .and. .not. turns) call note_rest(contacts, events, scene, t + near, integrator, recorder, &
             & sample, outcome, error)
          if (allocated(error)) exit
-         if (sampled .and. t >= next_instant - near) call pass_samples()
+         if (present(guard)) call wait_for_inputs()
+         if (.not. (waiting .or. allocated(error))) call end_pass()
          if (allocated(error)) exit
-         call record_before(t + near)
-         if (changes .and. .not. allocated(error)) call change_integrator()
          call progress%update(t)
          if (present(guard) .and. .not. allocated(error)) call look_at_guard()
       end do
@@ -485,6 +489,37 @@ contains
          cut = crossings%found == found_jump
          if (crossings%found == found_bend) crossings%steps(crossings%which) = 0
       end subroutine meet_crossing
+
+      !> What is left of a pass of the loop behind its step: samples of controls, samples of the run, another integrator.
+      subroutine end_pass()
+         if (sampled .and. t >= next_instant - near) call pass_samples()
+         if (allocated(error)) return
+         call record_before(t + near)
+         if (changes .and. .not. allocated(error)) call change_integrator()
+      end subroutine end_pass
+
+      !> Leaves the end of a pass for later where inputs from outside are taken there, and the run pauses before that.
+      subroutine wait_for_inputs()
+         waiting = sampled .and. t >= next_instant - near .and. guard%pauses(t + near)
+         if (waiting) waiting = has_inputs(scene%system)
+         if (.not. waiting) return
+         call record_before(t - near)
+         if (.not. allocated(error)) call show_before(t + near)
+      end subroutine wait_for_inputs
+
+      !> Begins where a run has paused: ends its last pass, unless it pauses there again.
+      subroutine go_on_from_pause()
+         call show_before(integrator%t + near)
+         if (allocated(error)) return
+         if (guard%paused) then
+            call look_at_guard()
+         else if (waiting) then
+            t = integrator%t
+            next_instant = t
+            waiting = .false.
+            call end_pass()
+         end if
+      end subroutine go_on_from_pause
 
       !> Takes the samples of controls at the end of the last step. Where an output changes the integrator goes on from there with
       !> other loads.
@@ -674,6 +709,7 @@ contains
          call exchange(guard%snapshot)
          outcome%wall = seconds(1)
          outcome%cpu = seconds(2)
+         guard%from = integrator%t_before
          call guard%write(history, int(outcome%samples), integrator%t, error)
          if (ends .and. .not. allocated(error)) call guard%interrupt(integrator%t, error)
       end subroutine write_checkpoint
@@ -691,6 +727,8 @@ contains
          type(snapshot_type), intent(inout) :: snapshot
          logical :: renewed
          call snapshot%exchange('passed', passed)
+         call snapshot%exchange('changes', changes)
+         call snapshot%exchange('waiting', waiting)
          call sample%exchange(snapshot)
          call exchange_switches(scene%system, scene%work, snapshot, renewed)
          call stiffening%exchange(snapshot)
@@ -750,7 +788,39 @@ contains
             call watch_channels(unfollowed, scene, integrator%ringing, at, dynamics, recorder, sample)
             sample%next = sample%next + 1
          end do
+         if (present(guard) .and. .not. allocated(error)) call show_before(t)
       end subroutine record_before
+
+      !> Shows the state at which the run pauses, once the integrator has reached it. Nothing of it is left in the run: what a
+      !> sample changes is put back.
+      subroutine show_before(t)
+         real(wp), intent(in) :: t
+         type(snapshot_type) :: before
+         type(memory_type) :: shown
+         real(wp) :: at
+         if (guard%paused .or. .not. guard%pauses(t)) return
+         at = min(max(guard%until, since), last)
+         call before%begin(.false.)
+         call exchange_sampling(before)
+         call shown%start(size(scene%system%model%channels), 1, huge(1.0_wp))
+         call integrator%interpolate(at, sample%q, sample%v, sample%w)
+         call integrator%complete(scene%system, scene%work, at, sample%q, sample%v)
+         sample%anyhow = .true.
+         call record(scene, at, guard%until, integrator, recorder, sample, shown, outcome, error)
+         sample%anyhow = .false.
+         if (.not. allocated(error)) call guard%show(shown%values(:, 1), sample%q, sample%v)
+         call before%begin(.true.)
+         call exchange_sampling(before)
+      end subroutine show_before
+
+      !> Saves or restores what a sample changes.
+      subroutine exchange_sampling(snapshot)
+         type(snapshot_type), intent(inout) :: snapshot
+         call sample%exchange(snapshot)
+         call scene%work%exchange(snapshot)
+         call recorder%exchange(snapshot)
+         call outcome%exchange(snapshot)
+      end subroutine exchange_sampling
 
       !> Records a sample at a singular position by the state a little behind it, or before it.
       subroutine record_aside(at)
@@ -788,7 +858,7 @@ contains
 
    !> Whether a run begins with a checkpoint.
    pure logical function restarts(guard)
-      type(interruption_type), intent(in), optional :: guard
+      class(interruption_type), intent(in), optional :: guard
       restarts = .false.
       if (present(guard)) restarts = guard%restarting
    end function restarts

@@ -20,6 +20,7 @@ module limber_analysis_modal_analysis
    use limber_model_model, only: ground, analysis_step_type, ground
    use limber_output_channel_values, only: recorder_type, new_recorder, channel_values, sample_width
    use limber_output_history, only: history_type
+   use limber_output_sample_sink, only: sink_type
    use limber_output_followed_turns, only: follow_places
    use limber_monitor_run_monitor, only: find_weak
    use limber_multibody_plane_vectors, only: turn, along
@@ -41,11 +42,11 @@ module limber_analysis_modal_analysis
 
 contains
 
-   !> Finds the modes and writes them to /modes/<name>.
+   !> Finds the modes and writes them to /modes/<name> of a results file.
    subroutine run_modes(scene, step, history, outcome, report, error, is_secured)
       type(scene_type), intent(inout) :: scene
       type(analysis_step_type), intent(in) :: step
-      class(history_type), intent(inout) :: history
+      class(sink_type), intent(inout) :: history
       type(outcome_type), intent(out) :: outcome
       !> A table
       character(:), allocatable, intent(out) :: report
@@ -91,7 +92,11 @@ contains
       call sample(scene, step, balance, history, outcome, error)
       if (.not. allocated(error)) call check_frequencies(scene, step, balance, vibrations, undamped, listed, aside, &
          & outcome)
-      if (.not. allocated(error)) call record_modes(scene, step, balance, vibrations, history, error)
+      if (allocated(error)) return
+      select type (history)
+      class is (history_type)
+         call record_modes(scene, step, balance, vibrations, history, error)
+      end select
       if (allocated(error)) return
       call check_grip(scene, step, outcome)
       report = table(scene, vibrations, step%damped)
@@ -156,7 +161,7 @@ contains
       type(scene_type), intent(inout) :: scene
       type(analysis_step_type), intent(in) :: step
       type(equilibrium_type), intent(inout) :: balance
-      class(history_type), intent(inout) :: history
+      class(sink_type), intent(inout) :: history
       type(outcome_type), intent(inout) :: outcome
       type(error_type), allocatable, intent(out) :: error
       type(recorder_type) :: recorder

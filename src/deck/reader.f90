@@ -55,14 +55,17 @@ contains
    end subroutine read_deck
 
    !> Reads a deck from a text.
-   subroutine read_deck_text(path, text, deck, diagnostics)
+   subroutine read_deck_text(path, text, deck, diagnostics, overrides)
       !> Path to show; *INCLUDE is relative to its folder
       character(*), intent(in) :: path
       !> The whole deck, lines separated by line feeds
       character(*), intent(in) :: text
       type(deck_type), intent(out) :: deck
       type(diagnostics_type), intent(inout) :: diagnostics
+      !> Values that parameters have in place of those of the deck
+      type(override_type), intent(in), optional :: overrides(:)
       allocate (deck%blocks(0))
+      if (present(overrides)) allocate (deck%parameters%overrides, source=overrides)
       call deck%source%add_text(path, text)
       call read_all(deck, diagnostics)
    end subroutine read_deck_text

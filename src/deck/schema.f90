@@ -61,7 +61,7 @@ module limber_deck_schema
       character(20) :: name
       integer :: kind
       !> Depends on the kind
-      character(112) :: values
+      character(120) :: values
       !> Unit of a number in SI
       character(12) :: unit
       !> As it would be written; empty: none; `needed`: must be given

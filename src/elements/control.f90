@@ -24,10 +24,10 @@ module limber_elements_control
    type(option_spec_type), parameter :: options(*) = [ &
       & option_spec_type('CONTROL', 'NAME', kind_name, 'controls', '', needed, 'name of the control'), &
       & option_spec_type('CONTROL', 'TYPE', kind_word, 'INTEGRATOR|LAG|SECOND ORDER|TRANSFER FUNCTION|STATE SPACE|PID|' &
-      &    //'SATURATION|DEAD ZONE|HYSTERESIS|RATE LIMIT|HOLD', '', needed, 'what it makes of its input'), &
+      &    //'SATURATION|DEAD ZONE|HYSTERESIS|RATE LIMIT|HOLD|INPUT', '', needed, 'what it makes of its input'), &
       & option_spec_type('CONTROL', 'GAIN', kind_real, '', '', '1', &
       &    'factor of the input, but for TRANSFER FUNCTION, STATE SPACE, PID; HYSTERESIS: the output if it is on', &
-      &    only='TYPE=INTEGRATOR|LAG|SECOND ORDER|SATURATION|DEAD ZONE|HYSTERESIS|RATE LIMIT|HOLD'), &
+      &    only='TYPE=INTEGRATOR|LAG|SECOND ORDER|SATURATION|DEAD ZONE|HYSTERESIS|RATE LIMIT|HOLD|INPUT'), &
       & option_spec_type('CONTROL', 'TIME CONSTANT', kind_positive, '', 's', '', &
       &    'LAG, RATE LIMIT: how slowly the output follows', only='TYPE=LAG|RATE LIMIT'), &
       & option_spec_type('CONTROL', 'FREQUENCY', kind_positive, '', 'rad/s', '', &
@@ -40,20 +40,20 @@ module limber_elements_control
       & option_spec_type('CONTROL', 'FILTER', kind_positive, '', 's', '', &
       &    'PID without PERIOD: time constant of the lag of the derivative, which starts at rest', only='TYPE=PID'), &
       & option_spec_type('CONTROL', 'LEAST', kind_real, '', '', '', &
-      &    'PID, SATURATION, HOLD: least output; DEAD ZONE, HYSTERESIS: limit of the input below; RATE LIMIT: least rate', &
-      &    only='TYPE=PID|SATURATION|DEAD ZONE|HYSTERESIS|RATE LIMIT|HOLD'), &
+      &    'PID, SATURATION, HOLD, INPUT: least output; DEAD ZONE, HYSTERESIS: limit below; RATE LIMIT: least rate', &
+      &    only='TYPE=PID|SATURATION|DEAD ZONE|HYSTERESIS|RATE LIMIT|HOLD|INPUT'), &
       & option_spec_type('CONTROL', 'MOST', kind_real, '', '', '', &
-      &    'PID, SATURATION, HOLD: greatest output; DEAD ZONE, HYSTERESIS: limit above; RATE LIMIT: greatest rate', &
-      &    only='TYPE=PID|SATURATION|DEAD ZONE|HYSTERESIS|RATE LIMIT|HOLD'), &
+      &    'PID, SATURATION, HOLD, INPUT: greatest output; DEAD ZONE, HYSTERESIS: limit above; RATE LIMIT: greatest rate', &
+      &    only='TYPE=PID|SATURATION|DEAD ZONE|HYSTERESIS|RATE LIMIT|HOLD|INPUT'), &
       & option_spec_type('CONTROL', 'TRACKING', kind_positive, '', 's', '', &
       &    'PID with limits, without PERIOD: time in which the integral goes back; default: KP/KI', only='TYPE=PID'), &
       & option_spec_type('CONTROL', 'PERIOD', kind_positive, '', 's', '', &
-      &    'HOLD, PID: time between samples, which are at its multiples; a PID without it is continuous', &
-      &    only='TYPE=PID|HOLD'), &
+      &    'HOLD, INPUT, PID: time between samples, which are at its multiples; a PID without it is continuous', &
+      &    only='TYPE=PID|HOLD|INPUT'), &
       & option_spec_type('CONTROL', 'DELAY', kind_nonnegative, '', 's', '0', &
-      &    'with PERIOD: time from a sample to the output that follows from it, at most PERIOD', only='TYPE=PID|HOLD'), &
+      &    'with PERIOD: time from a sample to the output that follows from it, at most PERIOD', only='TYPE=PID|HOLD|INPUT'), &
       & option_spec_type('CONTROL', 'INITIAL', kind_real, '', '', '0', 'its first output, without that of the input at once', &
-      &    only='TYPE=INTEGRATOR|LAG|SECOND ORDER|PID|HYSTERESIS|RATE LIMIT|HOLD'), &
+      &    only='TYPE=INTEGRATOR|LAG|SECOND ORDER|PID|HYSTERESIS|RATE LIMIT|HOLD|INPUT'), &
       & option_spec_type('CONTROL', 'SCALE', kind_positive, '', '', '1e-3', &
       &    'errors of states count relative to their largest value so far, not below this size of the output', &
       &    only='TYPE=INTEGRATOR|LAG|SECOND ORDER|TRANSFER FUNCTION|STATE SPACE|PID|RATE LIMIT')]
@@ -79,7 +79,9 @@ module limber_elements_control
       &    //' these turns are events. INITIAL, 0 or GAIN, if the input starts between them'), &
       & word_spec_type('CONTROL', 'RATE LIMIT', 'a lag of first order whose rate is not below LEAST and not above MOST'), &
       & word_spec_type('CONTROL', 'HOLD', 'GAIN times the input at the last sample, between LEAST and MOST; INITIAL before the' &
-      &    //' first one')]
+      &    //' first one'), &
+      & word_spec_type('CONTROL', 'INPUT', 'as HOLD, but a program that steps the scene by the library may give the samples' &
+      &    //' (doc/library.md); the data line counts until it does')]
    !> An example, as it stands in a deck of the tests
    character(*), parameter :: example(*) = [character(110) :: &
       & '*CONTROL, NAME=pid, TYPE=PID, KP=400, KI=600, KD=40, LEAST=-30, MOST=30, PERIOD=0.005, DELAY=0.002', &
@@ -133,7 +135,8 @@ contains
             else
                call read_pid(block, control, scales, diagnostics)
             end if
-         case ('HOLD')
+         case ('HOLD', 'INPUT')
+            control%is_input = block%word('TYPE') == 'INPUT'
             call read_sampled(block, control, scales, diagnostics)
             control%gains = [block%real('GAIN'), 0.0_wp, 0.0_wp]
          case ('HYSTERESIS'); call read_hysteresis(block, model, control, scales, diagnostics)
@@ -154,7 +157,7 @@ contains
       if (kind == 'LAG' .or. kind == 'RATE LIMIT') call need('TIME CONSTANT')
       if (kind == 'SECOND ORDER') call need('FREQUENCY')
       if (kind == 'SECOND ORDER') call need('DAMPING')
-      if (kind == 'HOLD') call need('PERIOD')
+      if (kind == 'HOLD' .or. kind == 'INPUT') call need('PERIOD')
       if (kind == 'HYSTERESIS') call need('LEAST')
       if (kind == 'HYSTERESIS') call need('MOST')
       if (any(kind == [character(10) :: 'SATURATION', 'DEAD ZONE', 'RATE LIMIT']) .and. .not. (block%given('LEAST') .or. &

@@ -411,6 +411,8 @@ module limber_model_model
       type(quantity_type), allocatable :: quantities(:)
       !> Of a sampled one: period, and time from a sample to the output that follows from it; 0: it is not sampled
       real(wp) :: period = 0.0_wp, delay = 0.0_wp
+      !> Whether its samples may come from outside
+      logical :: is_input = .false.
       !> Its gains of the input, of the sum and of the difference; limits of its output
       real(wp) :: gains(3) = 0.0_wp, least = -huge(1.0_wp), most = huge(1.0_wp)
       !> Of a hysteresis: index of the switch that its output follows, 0: none; its input less the limit above, and less that below

@@ -12,7 +12,7 @@ module limber_multibody_control_states
    use limber_multibody_system, only: system_type, workspace_type
    implicit none
    private
-   public :: start_states, next_sample, take_samples, keep_states, follow_switches
+   public :: start_states, next_sample, take_samples, has_inputs, keep_states, follow_switches
 
    !> States of a sampled control: output; output that follows it; integral; last input; number of the last sample from 1, 0: none
    integer, parameter :: output = 1, following = 2, integral = 3, last_input = 4, number = 5
@@ -81,6 +81,12 @@ contains
       end do
    end function next_sample
 
+   !> Whether an input of the system may come from outside.
+   pure logical function has_inputs(system)
+      type(system_type), intent(in) :: system
+      has_inputs = any(system%model%controls%is_input)
+   end function has_inputs
+
    !> The first multiple of a period, and a delay, behind a time.
    pure real(wp) function behind(t, period, delay)
       real(wp), intent(in) :: t, period, delay
@@ -122,7 +128,11 @@ contains
             end if
             turn = nint(t/control%period)
             if (abs(turn*control%period - t) <= near .and. turn + 1 > nint(v(place(system, control, number)))) then
-               value = input_value(system, work, i, t, q, v)
+               if (system%is_given(i)) then
+                  value = system%given(i)
+               else
+                  value = input_value(system, work, i, t, q, v)
+               end if
                if (.not. ieee_is_finite(value)) then
                   call raise(error, "the input of control '"//control%name//"' has no value at t = "//as_text(t, 8))
                   return

@@ -58,6 +58,9 @@ module limber_multibody_system
       real(wp), allocatable :: slack(:)
       !> Whether each switch of the model is on (switches)
       logical, allocatable :: on(:)
+      !> Whether the samples of a control come from outside, and the value of the next ones (controls)
+      logical, allocatable :: is_given(:)
+      real(wp), allocatable :: given(:)
    end type system_type
 
    !> Scratch of one body in the multiplier system
@@ -151,6 +154,8 @@ contains
       system%powered = any([(system%constraints(i)%item%driven, i=1, size(system%constraints))])
       system%loaded = any([(system%loads(i)%item%powered, i=1, size(system%loads))])
       allocate (system%on, source=first_states(model))
+      allocate (system%is_given(size(system%inputs)), source=.false.)
+      allocate (system%given(size(system%inputs)), source=0.0_wp)
       ! A switch may put in energy, or take it
       if (size(system%on) > 0) system%loaded = .true.
       call let_act(system)

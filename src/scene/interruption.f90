@@ -56,8 +56,16 @@ module limber_scene_interruption
       integer(long), private :: last = 0, steps = 0
       !> Whether there is a checkpoint of this run
       logical, private :: has_checkpoint = .false.
+      !> Time at which the run pauses, to go on from its snapshot; whether it has been reached, and the channels, coordinates and
+      !> velocities there, if it is within a *DYNAMICS (channels), (nq), (nq)
+      real(wp) :: until = huge(1.0_wp)
+      logical :: paused = .false.
+      real(wp), allocatable :: values(:), q(:), v(:)
+      !> Earliest time that can be shown from the snapshot
+      real(wp) :: from = -huge(1.0_wp)
    contains
       procedure :: find, start, asks, asks_between, asks_at_end, write, interrupt, finish, warning, note_line
+      procedure :: pauses, show
    end type interruption_type
 
    !> Wall time that is lost without a checkpoint before the errors are estimated [s]
@@ -255,21 +263,42 @@ contains
       call catch_signals()
    end subroutine start
 
+   !> Whether a run pauses at a time, or before it.
+   pure logical function pauses(self, t)
+      class(interruption_type), intent(in) :: self
+      real(wp), intent(in) :: t
+      pauses = self%until <= t
+   end function pauses
+
+   !> Takes what is shown where a run pauses.
+   pure subroutine show(self, values, q, v)
+      class(interruption_type), intent(inout) :: self
+      !> Channels (channels); coordinates and velocities (nq)
+      real(wp), intent(in) :: values(:), q(:), v(:)
+      self%paused = .true.
+      self%values = values
+      self%q = q
+      self%v = v
+   end subroutine show
+
    !> Whether a checkpoint is to be written behind this step, and whether the run is to end there.
    subroutine asks(self, save, stop)
       class(interruption_type), intent(inout) :: self
       logical, intent(out) :: save, stop
       self%steps = self%steps + 1
-      stop = signal_came() .or. self%steps >= self%request%stop_after
+      stop = self%paused .or. signal_came() .or. self%steps >= self%request%stop_after
       save = stop
       if (.not. save .and. self%request%interval > 0.0_wp) save = seconds_since_last(self) > self%request%interval
    end subroutine asks
 
    !> The same before the next analysis of a deck.
-   subroutine asks_between(self, save, stop)
-      class(interruption_type), intent(in) :: self
+   subroutine asks_between(self, t, save, stop)
+      class(interruption_type), intent(inout) :: self
+      !> Time at which the one before has ended
+      real(wp), intent(in) :: t
       logical, intent(out) :: save, stop
-      stop = signal_came()
+      self%paused = self%pauses(t)
+      stop = self%paused .or. signal_came()
       save = stop
       if (.not. save .and. self%request%interval > 0.0_wp) save = seconds_since_last(self) > self%request%interval
    end subroutine asks_between

@@ -1,0 +1,32 @@
+# Every deck in pieces by the C interface, with the bits of the program:
+#   cmake -DLIMBER= -DPIECES= -DINPUT= -DWORK= -P decks.cmake
+# Pieces are few where a run is long
+cmake_policy(VERSION 3.25)
+file(GLOB decks "${INPUT}/*.inp")
+list(LENGTH decks number)
+if(number LESS 40)
+  message(FATAL_ERROR "no decks in ${INPUT}")
+endif()
+file(MAKE_DIRECTORY "${WORK}")
+set(faults "")
+foreach(deck IN LISTS decks)
+  get_filename_component(name "${deck}" NAME_WE)
+  set(pieces 20)
+  if(name MATCHES "^(soft_pendulum|spin_up|slider_crank_(exact|prescribed|three_bodies)|flexible_four_bar|whipped_frame|chain_flexible)$")
+    set(pieces 4)
+  endif()
+  execute_process(COMMAND ${LIMBER} run ${deck} -o ${WORK}/${name}.h5 --force --quiet OUTPUT_QUIET ERROR_VARIABLE output
+    RESULT_VARIABLE status)
+  if(status)
+    message(FATAL_ERROR "${name}: ${output}")
+  endif()
+  execute_process(COMMAND ${PIECES} ${WORK}/${name}.h5 ${deck} ${pieces} OUTPUT_VARIABLE output ERROR_VARIABLE output
+    RESULT_VARIABLE status)
+  if(status)
+    string(APPEND faults "${name}, ${pieces} pieces:\n${output}\n")
+  endif()
+endforeach()
+if(faults)
+  message(FATAL_ERROR "${faults}")
+endif()
+message("${number} decks in pieces")

@@ -1,0 +1,22 @@
+# The examples in C and Fortran give the last sample of the program: cmake -DLIMBER= -DEXAMPLES= -DINPUT= -DWORK= -P examples.cmake
+# EXAMPLES: programs, separated by |
+cmake_policy(VERSION 3.25)
+execute_process(COMMAND ${LIMBER} run ${INPUT}/pendulum.inp -o ${WORK}/pendulum.h5 --force --quiet COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND ${LIMBER} export ${WORK}/pendulum.h5 x OUTPUT_VARIABLE table COMMAND_ERROR_IS_FATAL ANY)
+if(NOT table MATCHES "([0-9])[.]([0-9][0-9][0-9][0-9][0-9])[0-9]*E-0*1[ \n]*$")
+  message(FATAL_ERROR "no number below one at the end of the table")
+endif()
+set(digits "${CMAKE_MATCH_1}${CMAKE_MATCH_2}")
+string(REPLACE "|" ";" examples "${EXAMPLES}")
+foreach(example IN LISTS examples)
+  execute_process(COMMAND ${example} ${INPUT}/pendulum.inp OUTPUT_VARIABLE output RESULT_VARIABLE status)
+  string(STRIP "${output}" output)
+  if(status OR NOT output MATCHES "t = 10[.0]* s: x[^\n]*= 0?[.]${digits}[0-9]*( m)?$")
+    message(FATAL_ERROR "${example}, not 0.${digits}:\n${output}")
+  endif()
+  # A deck that is not there is an error with its name
+  execute_process(COMMAND ${example} no_such_deck.inp OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if(NOT output MATCHES "no_such_deck[.]inp")
+    message(FATAL_ERROR "${example}, without a deck:\n${output}")
+  endif()
+endforeach()

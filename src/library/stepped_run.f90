@@ -12,7 +12,8 @@ module limber_library_stepped_run
    use limber_base_text, only: as_text, newline
    use limber_base_version, only: version, commit, compiler, compiler_options
    use limber_analysis_analysis_steps, only: run_steps, passed_type
-   use limber_analysis_dynamic_analysis, only: run_dynamics, new_integrator
+   use limber_analysis_chosen_integrator, only: new_integrator
+   use limber_analysis_dynamic_analysis, only: run_dynamics
    use limber_analysis_run_report, only: energy_warning
    use limber_commands_advise, only: target_of
    use limber_deck_diagnostics, only: diagnostics_type

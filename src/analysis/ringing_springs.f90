@@ -13,10 +13,14 @@ module limber_analysis_ringing_springs
 
    !> Part of the largest acceleration of a body by which one at a sample may be off
    real(wp), parameter :: allowed = 0.02_wp
+   !> Part of the largest acceleration of all points below which that of a body is round-off
+   real(wp), parameter :: none = 1.0e-6_wp
 
    type :: ringing_springs_type
       !> Largest acceleration of each body at samples, and by how much one was off (bodies)
       real(wp), allocatable, private :: top(:), off(:)
+      !> Largest acceleration of a point of any body
+      real(wp), private :: greatest = 0.0_wp
    contains
       procedure :: start, look, warning, exchange => exchange_springs
    end type ringing_springs_type
@@ -42,6 +46,8 @@ contains
       if (.not. allocated(self%top) .or. ringing%known < 2) return
       do i = 1, size(self%top)
          associate (q => system%layout%q(i), w => system%layout%w(i))
+            self%greatest = max(self%greatest, norm2(a(q:q + 1)))
+            if (system%layout%framed(i)) self%greatest = max(self%greatest, system%model%bodies(i)%size*norm2(a(q + 2:q + 3)))
             self%top(i) = max(self%top(i), norm2(a(q:q + 1)), norm2(ringing%last(w:w + 1)))
             self%off(i) = max(self%off(i), norm2(a(q:q + 1) - ringing%last(w:w + 1)) - 2*norm2(ringing%last(w:w + 1) - &
                & ringing%before(w:w + 1)))
@@ -57,7 +63,8 @@ contains
       integer :: worst
       text = ''
       if (.not. allocated(self%top)) return
-      worst = maxloc(self%off - allowed*self%top, dim=1)
+      worst = maxloc(merge(self%off - allowed*self%top, -1.0_wp, self%off > none*self%greatest), dim=1)
+      if (self%off(worst) <= none*self%greatest) return
       if (self%off(worst) <= allowed*self%top(worst)) return
       text = "CONSERVING does not follow a vibration of body '"//system%model%bodies(worst)%name//"' on its springs, joints or"// &
          & ' neighbours, and keeps it up: accelerations and forces asked for may err by about '//as_text(100*min(1.0_wp, &
@@ -71,6 +78,7 @@ contains
       type(snapshot_type), intent(inout) :: snapshot
       call snapshot%keep('spring_top', self%top)
       call snapshot%keep('spring_off', self%off)
+      call snapshot%exchange('spring_greatest', self%greatest)
    end subroutine exchange_springs
 
 end module limber_analysis_ringing_springs

@@ -1,6 +1,6 @@
 !> Errors that add up beside the tolerance. Laws of place that come and go many times: what their passages add up to is right,
 !> against the integral of the law along a known motion, or the run tells of it. The same of a body whose motion is small beside
-!> what a soft spring connects it with, in closed form. Usage, in tests/: test_passages RESULT_FILE
+!> what a soft spring connects it with, or beside its own travel, in closed form. Usage, in tests/: test_passages RESULT_FILE
 program test_passages
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
@@ -11,6 +11,7 @@ program test_passages
    implicit none
 
    character(10), parameter :: integrators(4) = [character(10) :: 'AUTO', 'RADAU', 'ALPHA', 'CONSERVING']
+   character(4), parameter :: tolerances(4) = ['1e-4', '1e-6', '1e-8', '1e-9']
    character(*), parameter :: told = 'errors of these passages add up: the speed along y'
    character(256) :: results
    integer :: i
@@ -31,6 +32,10 @@ program test_passages
    call check_beside('RADAU', '100')
    call check_beside('ALPHA', '10')
    call check_beside('CONSERVING', '10')
+   do i = 1, size(tolerances)
+      call check_along(trim(tolerances(i)))
+      call check_hanging(trim(tolerances(i)))
+   end do
    call finish()
 
 contains
@@ -124,5 +129,75 @@ contains
       if (off > wrong) call check(tells, name//as_text(100*off, 2)//' % off, and not told: '//report)
       if (off < right) call check(index(report, 'moves by') == 0, name//'off by '//as_text(100*off, 2)//' %: '//report)
    end subroutine check_beside
+
+   !> A mass at 20 m/s on a road of 0.1 mm, by a force of its height: a vibration along one axis beside a long way, in closed form.
+   subroutine check_along(tolerance)
+      character(*), intent(in) :: tolerance
+      real(wp), parameter :: wrong = 3.0e-2_wp, right = 2.0e-3_wp, height = 1.0e-4_wp, k = 2.0e4_wp, c = 100.0_wp, m = 40.0_wp, &
+         & forced = 60.0_wp
+      type(error_type), allocatable :: error
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: t(:), y(:)
+      character(:), allocatable :: report, name
+      complex(wp) :: shape, root
+      real(wp) :: off, decay, omega
+      name = 'a road of 0.1 mm, '//tolerance//': '
+      call run_text('*POINT MASS, NAME=axle, MASS=40, VX=20'//newline//'*FORCE, NAME=tyre, POINT=axle'//newline// &
+         & ' 0, 2e4*(0.0001*sin(x(axle)*3.0) - y(axle)) - 100*vy(axle)'//newline// &
+         & '*DYNAMICS, END=20, OUTPUTS=1000, TOLERANCE='//tolerance//newline//'*OUTPUT'//newline//' y = y(axle)'//newline, &
+         & trim(results), report, error)
+      call check_no_error(error, name//'run')
+      if (allocated(error)) return
+      call reader%open(trim(results), error)
+      call reader%read_time(t, error)
+      y = channel(reader, 'y')
+      call reader%close()
+      shape = k*height/cmplx(k - m*forced**2, c*forced, wp)
+      decay = 0.5_wp*c/m
+      omega = sqrt(k/m - decay**2)
+      ! Im(shape exp(i forced t)) and the decaying vibration that begins it at rest
+      root = cmplx(-aimag(shape), (-forced*real(shape) - decay*aimag(shape))/omega, wp)
+      off = maxval(abs(y - aimag(shape*exp(cmplx(0.0_wp, forced*t, wp))) - exp(-decay*t)*(real(root)*cos(omega*t) &
+         & + aimag(root)*sin(omega*t))))/maxval(abs(y))
+      print '(a,es10.2)', name, off
+      if (off > wrong) call check(index(report, "body 'axle' moves by") > 0 .and. index(report, 'along y') > 0, name//report)
+      if (off < right) call check(index(report, 'moves by') == 0, name//report)
+   end subroutine check_along
+
+   !> A load on a rope of 8 m under a trolley that travels by 100 m: its sway, against a run at 1e-11.
+   subroutine check_hanging(tolerance)
+      character(*), intent(in) :: tolerance
+      real(wp), parameter :: wrong = 3.0e-2_wp, right = 1.0e-3_wp
+      real(wp), allocatable :: sway(:), exact(:)
+      character(:), allocatable :: report, ignored, name
+      real(wp) :: off
+      name = 'a load on a rope, '//tolerance//': '
+      call travel('1e-11', exact, ignored)
+      call travel(tolerance, sway, report)
+      off = maxval(abs(sway - exact))/maxval(abs(exact))
+      print '(a,es10.2)', name, off
+      if (off > wrong) call check(index(report, "body 'load' moves by") > 0, name//report)
+      if (off < right) call check(index(report, 'moves by') == 0, name//report)
+   end subroutine check_hanging
+
+   subroutine travel(tolerance, sway, report)
+      character(*), intent(in) :: tolerance
+      real(wp), allocatable, intent(out) :: sway(:)
+      character(:), allocatable, intent(out) :: report
+      type(error_type), allocatable :: error
+      type(history_reader_type) :: reader
+      call run_text('*GRAVITY'//newline//'*POINT MASS, NAME=tr, MASS=200'//newline// &
+         & '*JOINT, NAME=rail, TYPE=POINT ON LINE'//newline//' tr, ground.origin'//newline// &
+         & '*POINT MASS, NAME=load, MASS=500, Y=-8'//newline//'*JOINT, NAME=rope, TYPE=ROD'//newline//' load, tr'//newline// &
+         & '*DRIVER, NAME=d, TYPE=X, POINT=tr'//newline//' 100*poly345(t/60)'//newline// &
+         & '*DYNAMICS, END=90, OUTPUTS=500, INTEGRATOR=ADAMS, TOLERANCE='//tolerance//newline// &
+         & '*OUTPUT'//newline//' sway = x(load) - x(tr)'//newline, trim(results), report, error)
+      call check_no_error(error, 'a load on a rope')
+      allocate (sway(0))
+      if (allocated(error)) return
+      call reader%open(trim(results), error)
+      sway = channel(reader, 'sway')
+      call reader%close()
+   end subroutine travel
 
 end program test_passages

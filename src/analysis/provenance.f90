@@ -27,14 +27,14 @@ module limber_analysis_provenance
 contains
 
    !> Creates the history with its time axis, its channels and, if it is asked for, the motion.
-   subroutine open_history(scene, path, overwrite, history, error, in_memory, resume)
+   subroutine open_history(scene, path, overwrite, history, error, unkept, resume)
       type(scene_type), intent(in) :: scene
       character(*), intent(in) :: path
       logical, intent(in) :: overwrite
       type(history_type), intent(inout) :: history
       type(error_type), allocatable, intent(out) :: error
       !> Whether no file is made; false if absent
-      logical, intent(in), optional :: in_memory
+      logical, intent(in), optional :: unkept
       !> Samples after which a run goes on whose file is there; negative or absent: it begins
       integer, intent(in), optional :: resume
       integer :: i
@@ -45,7 +45,7 @@ contains
          if (resumed) then
             call history%resume(path, resume, error)
          else
-            call history%create(path, overwrite, version, error, in_memory)
+            call history%create(path, overwrite, version, error, unkept)
          end if
          if (.not. allocated(error)) call history%define_time(model%units%time, error)
          do i = 1, size(model%channels)
@@ -57,7 +57,7 @@ contains
          if (model%motion .and. .not. allocated(error)) &
             & call define_motion(geometry_of(model, scene%system%layout), model%units%length, history, error)
       end associate
-      if (resumed) return
+      if (resumed .or. history%unkept) return
       if (.not. allocated(error)) call record_provenance(scene, history, error)
       if (.not. allocated(error)) call record_bodies(scene, history, error)
    end subroutine open_history
@@ -67,6 +67,7 @@ contains
       type(deck_type), intent(in) :: deck
       type(history_type), intent(inout) :: history
       type(error_type), allocatable, intent(out) :: error
+      if (history%unkept) return
       call history%put_text('/run/deck', deck%source%text_of(1, 1, size(deck%source%files(1)%lines)), error)
       if (.not. allocated(error)) call history%put_text('/run/effective_deck', effective_deck(deck), error)
       if (.not. allocated(error)) call history%put_attribute('/run', 'limber_version', version, error)
@@ -277,6 +278,10 @@ contains
       !> Allocated if it cannot be written; the history is closed in any case
       type(error_type), allocatable, intent(out) :: error
       type(error_type), allocatable :: ignored
+      if (history%unkept) then
+         call history%finish(message == '', message, error)
+         return
+      end if
       call put_counts()
       if (.not. allocated(error)) call put_seconds()
       if (.not. allocated(error)) call put_checks()

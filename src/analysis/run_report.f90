@@ -15,16 +15,16 @@ module limber_analysis_run_report
 contains
 
    !> Where the results of a run are that could not finish.
-   pure function what_is_left(results, in_memory, history, write_error) result(text)
+   pure function what_is_left(results, unkept, history, write_error) result(text)
       character(*), intent(in) :: results
-      logical, intent(in) :: in_memory
+      logical, intent(in) :: unkept
       !> Closed
       type(history_type), intent(in) :: history
       !> Allocated if not all of it could be written
       type(error_type), intent(in), allocatable :: write_error
       character(:), allocatable :: text
       text = ''
-      if (in_memory) return
+      if (unkept) return
       if (.not. (allocated(write_error) .or. history%failed)) then
          text = newline//'   What was computed up to there is in '//results//', marked incomplete.'
       else if (history%safe > 0) then

@@ -15,7 +15,7 @@ module limber_commands_batch
       !> Reductions of beams that earlier runs have made
       type(library_type) :: library
       !> Whether the history is forgotten; whether the usual scalars are taken of a deck that asks for none
-      logical :: in_memory = .false., usual_scalars = .false.
+      logical :: unkept = .false., usual_scalars = .false.
       !> CPU time after which the run is given up [s]
       real(wp) :: limit = huge(1.0_wp)
       !> Largest estimated error of a channel relative to its magnitude, if the deck asks for that; else negative

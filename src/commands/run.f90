@@ -173,7 +173,7 @@ contains
          if (allocated(error)) call drop_history(history)
          return
       end if
-      call open_history(scene, results, force, history%history_type, error, batch%in_memory)
+      call open_history(scene, results, force, history%history_type, error, batch%unkept)
       if (.not. batch%guarded .or. allocated(error)) return
       history%safe = guard%samples
       call history%put_attribute('/run', 'number', guard%checkpoint%run, error)
@@ -226,11 +226,11 @@ contains
       if (.not. allocated(error)) call add_estimate(scene, integrator, outcome, quiet, history, batch%error, table, error)
       if (allocated(error)) then
          call record_outcome(scene, outcome, integrator%statistics, error%message, history%history_type, write_error)
-         error%message = path//': '//error%message//what_is_left(results, batch%in_memory, history%history_type, write_error)
+         error%message = path//': '//error%message//what_is_left(results, batch%unkept, history%history_type, write_error)
          report = scene%warnings//path//': '
       else
          call record_outcome(scene, outcome, integrator%statistics, '', history%history_type, error)
-         if (allocated(error)) error%message = error%message//what_is_left(results, batch%in_memory, history%history_type, error)
+         if (allocated(error)) error%message = error%message//what_is_left(results, batch%unkept, history%history_type, error)
          report = scene%warnings//guard%note_line(path)//closing_report(path, scene, outcome, integrator, results)// &
             & scalar_lines(scene%system%model, history)//table
       end if
@@ -274,7 +274,7 @@ contains
          & scalar_lines(scene%system%model, history)
       if (allocated(error)) then
          call record_outcome(scene, outcome, statistics, error%message, history%history_type, write_error)
-         error%message = path//': '//error%message//what_is_left(results, batch%in_memory, history%history_type, write_error)
+         error%message = path//': '//error%message//what_is_left(results, batch%unkept, history%history_type, write_error)
       else if (allocated(write_error)) then
          call move_alloc(write_error, error)
       else

@@ -127,7 +127,7 @@ contains
       call open_journal(folder, journal, error)
       is_noted = .not. allocated(error)
       if (.not. is_noted) return
-      batch%in_memory = .not. sweep%keep
+      batch%unkept = .not. sweep%keep
       batch%usual_scalars = .true.
       batch%limit = sweep%limit
       do

@@ -64,7 +64,7 @@ contains
             & '   No results were written.', status_interrupted)
          return
       end if
-      call open_history(scene, results, force, history%history_type, error, batch%in_memory)
+      call open_history(scene, results, force, history%history_type, error, batch%unkept)
       do k = 1, reached%samples%samples
          if (allocated(error)) return
          call history%take(reached%samples%times(k), reached%samples%values(:, k), error)
@@ -86,13 +86,13 @@ contains
       if (allocated(reached%interruption)) then
          call record_outcome(scene, reached%outcome, reached%statistics, interruption_text(reached, scene), history%history_type, &
             & write_error)
-         call raise(error, path//': '//interruption_text(reached, scene)//what_is_left(results, batch%in_memory, &
+         call raise(error, path//': '//interruption_text(reached, scene)//what_is_left(results, batch%unkept, &
             & history%history_type, write_error), status_interrupted)
          return
       end if
       if (.not. reached%done) then
          call record_outcome(scene, reached%outcome, reached%statistics, reached%reason, history%history_type, write_error)
-         call raise(error, path//': '//reached%reason//reached%path//what_is_left(results, batch%in_memory, &
+         call raise(error, path//': '//reached%reason//reached%path//what_is_left(results, batch%unkept, &
             & history%history_type, write_error))
          return
       end if

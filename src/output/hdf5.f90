@@ -8,7 +8,7 @@
 !> `str`, `int` and `float`; H5LT would write fixed-length strings (`bytes`) and arrays of one number.
 module limber_output_hdf5
    use, intrinsic :: iso_c_binding, only: c_char, c_loc, c_null_char, c_ptr
-   use hdf5, only: hid_t, hsize_t, size_t, h5pset_fapl_core_f, h5fcreate_f, h5fopen_f, h5fclose_f, h5fis_hdf5_f, &
+   use hdf5, only: hid_t, hsize_t, h5fcreate_f, h5fopen_f, h5fclose_f, h5fis_hdf5_f, &
       & h5f_acc_excl_f, h5f_acc_trunc_f, h5f_acc_rdonly_f, h5f_acc_rdwr_f, h5f_close_strong_f, &
       & h5f_libver_v18_f, h5f_libver_latest_f, h5pcreate_f, h5pclose_f, &
       & h5pset_fclose_degree_f, h5pset_libver_bounds_f, h5pset_link_creation_order_f, h5p_crt_order_indexed_f, &
@@ -47,7 +47,7 @@ contains
    !> Creates a file. Nothing is touched unless it can be created; with `overwrite` an existing file is emptied
    !> at once. The file keeps to the format of HDF5 1.8, which has no mark of "open for writing" that would have
    !> to be cleared after a kill, and which lets the list of a scale's users grow past 64 kB.
-   subroutine create_file(path, overwrite, file, error, in_memory, checked)
+   subroutine create_file(path, overwrite, file, error, checked)
       !> Name of the file
       character(*), intent(in) :: path
       !> Whether an existing file may be replaced
@@ -56,21 +56,16 @@ contains
       integer(hid_t), intent(out) :: file
       !> Allocated if it exists already (without `overwrite`) or cannot be written
       type(error_type), allocatable, intent(out) :: error
-      !> Whether it stays in memory, and is lost when it is closed; false if absent
-      logical, intent(in), optional :: in_memory
       !> Whether all structures have checksums, as those of HDF5 1.10 have: of no use to what is read while it is written
       logical, intent(in), optional :: checked
       integer(hid_t) :: creation, access
       integer :: status, tracked
-      logical :: exists, stays
+      logical :: exists
       character(:), allocatable :: reason
       file = no_id
       call open_library(error)
       if (allocated(error)) return
-      stays = .false.
-      if (present(in_memory)) stays = in_memory
-      exists = .false.
-      if (.not. stays) inquire (file=path, exist=exists)
+      inquire (file=path, exist=exists)
       if (exists .and. .not. overwrite) then
          call raise(error, path//' exists; give --force to overwrite it or -o for another name', status_deck)
          return
@@ -86,13 +81,12 @@ contains
          if (checked) call h5pset_libver_bounds_f(access, h5f_libver_latest_f, h5f_libver_latest_f, status)
       end if
       call h5pset_fclose_degree_f(access, h5f_close_strong_f, status)
-      if (stays) call h5pset_fapl_core_f(access, 65536_size_t, .false., status)
       call h5fcreate_f(path, merge(h5f_acc_trunc_f, h5f_acc_excl_f, overwrite), file, status, creation, access)
       if (status < 0) then
          reason = stack_reason()
          file = no_id
          call raise(error, 'cannot create '//path//': '//reason, status_deck)
-         if (.not. (exists .or. stays)) call remove_file(path)
+         if (.not. exists) call remove_file(path)
       end if
       call h5pclose_f(access, status)
       call h5pclose_f(creation, status)

@@ -65,10 +65,10 @@ module limber_output_history
       integer(long), private :: last_write = 0, looked = 0
       !> Samples from one look at the clock to the next, and those that are left
       integer, private :: stride = 1, countdown = 1
-      !> Its names; not used by one in memory
+      !> Its names; not used without a file
       type(working_file_type), private :: names
-      !> Whether it is in memory; whether it was there already: then series are opened, not made
-      logical, private :: in_memory = .false., resumed = .false.
+      !> Whether it was there already: then series are opened, not made
+      logical, private :: resumed = .false.
       !> Whether it says that there is a checkpoint
       logical, private :: has_checkpoint = .false.
       !> Set by a write that failed; no sample is taken any more
@@ -83,7 +83,7 @@ module limber_output_history
 contains
 
    !> Creates the file with its groups.
-   subroutine create(self, path, overwrite, version, error, in_memory)
+   subroutine create(self, path, overwrite, version, error, unkept)
       !> History that is not open
       class(history_type), intent(inout) :: self
       !> Name of the file
@@ -94,21 +94,22 @@ contains
       character(*), intent(in) :: version
       !> Allocated if the file exists (without `overwrite`) or cannot be written
       type(error_type), allocatable, intent(out) :: error
-      !> Whether there is no such file: all is lost with `finish`, but for what the sink keeps; false if absent
-      logical, intent(in), optional :: in_memory
+      !> Whether no file is made: all is lost but for what the sink sums up; false if absent
+      logical, intent(in), optional :: unkept
       type(error_type), allocatable :: close_error
       if (self%file /= no_id) then
          call raise(error, self%path//': the history is already open')
          return
       end if
-      self%in_memory = .false.
-      if (present(in_memory)) self%in_memory = in_memory
-      if (self%in_memory) then
-         call create_file(trim(path), overwrite, self%file, error, in_memory)
-      else
-         call self%names%begin(trim(path), overwrite, error)
-         if (.not. allocated(error)) call create_file(self%names%working, .true., self%file, error)
+      self%unkept = .false.
+      if (present(unkept)) self%unkept = unkept
+      if (self%unkept) then
+         if (allocated(self%channels)) deallocate (self%channels)
+         call begin_samples(self, path, 0)
+         return
       end if
+      call self%names%begin(trim(path), overwrite, error)
+      if (.not. allocated(error)) call create_file(self%names%working, .true., self%file, error)
       if (allocated(error)) return
       call begin_samples(self, path, 0)
       call write_attribute(self%file, '/', 'format', history_format, error)
@@ -122,7 +123,7 @@ contains
       if (.not. allocated(error)) return
       call close_file(self%path, self%file, close_error)
       deallocate (self%channels)
-      if (.not. self%in_memory) call self%names%drop()
+      call self%names%drop()
    end subroutine create
 
    !> Begins to count samples.
@@ -154,7 +155,7 @@ contains
       integer, intent(in) :: samples
       !> Allocated if it cannot be copied; the file itself is left as it is
       type(error_type), allocatable, intent(out) :: error
-      self%in_memory = .false.
+      self%unkept = .false.
       call check_unused(working_name(trim(path)), error)
       if (.not. allocated(error)) call self%names%resume(trim(path), error)
       if (.not. allocated(error)) call reopen_file(self%names%working, self%file, error)
@@ -173,6 +174,7 @@ contains
       character(*), intent(in) :: units
       !> Allocated if it cannot be written or is there already
       type(error_type), allocatable, intent(out) :: error
+      if (self%unkept) return
       if (self%resumed) then
          call reopen_series(self%file, '/time', 1, int(self%samples), self%time, error)
          return
@@ -197,7 +199,7 @@ contains
       character(*), intent(in) :: long_name
       !> Allocated if the name is bad or taken, or the file cannot be written
       type(error_type), allocatable, intent(out) :: error
-      if (.not. self%resumed) call check_definition(self, name, width, error)
+      if (.not. (self%resumed .or. self%unkept)) call check_definition(self, name, width, error)
       if (.not. allocated(error)) call self%define_series('/channels/'//name, width, units, long_name, error)
    end subroutine define_channel
 
@@ -214,6 +216,10 @@ contains
       !> Allocated if the file cannot be written
       type(error_type), allocatable, intent(out) :: error
       type(series_type) :: series
+      if (self%unkept) then
+         self%width = self%width + width
+         return
+      end if
       if (self%resumed) then
          call reopen_series(self%file, path, width, int(self%samples), series, error)
       else
@@ -272,12 +278,16 @@ contains
       real(wp), intent(in) :: values(:)
       !> Allocated if the file cannot be written
       type(error_type), allocatable, intent(out) :: error
-      if (self%failed .or. self%time%id == no_id) then
+      if (self%failed .or. (self%time%id == no_id .and. .not. self%unkept)) then
          call raise(error, 'results file: a sample for a history that is not open, or could not be written before')
          return
       else if (size(values) /= self%width) then
          call raise(error, self%path//': a sample of '//as_text(size(values))//' numbers for channels of '// &
             & as_text(self%width))
+         return
+      end if
+      if (self%unkept) then
+         self%samples = self%samples + 1
          return
       end if
       if (.not. allocated(self%buffer)) then
@@ -367,7 +377,7 @@ contains
          call h5fflush_f(self%file, h5f_scope_global_f, status)
          if (status < 0) call hdf5_error(error, self%file, 'cannot write')
       end if
-      if (.not. (allocated(error) .or. self%in_memory) .and. self%samples >= self%safe) then
+      if (.not. allocated(error) .and. self%samples >= self%safe) then
          call self%names%publish(self%trouble, error)
          if (self%trouble == '' .and. .not. allocated(error)) self%safe = self%samples
       end if
@@ -388,6 +398,7 @@ contains
    subroutine note_checkpoint(self, error)
       class(history_type), intent(inout) :: self
       type(error_type), allocatable, intent(out) :: error
+      if (self%unkept) return
       if (.not. self%has_checkpoint) call write_attribute(self%file, '/run', 'checkpoints', 1, error)
       self%has_checkpoint = .true.
       self%failed = self%failed .or. allocated(error)
@@ -407,6 +418,10 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(error_type), allocatable :: close_error
       integer :: i
+      if (self%unkept .and. allocated(self%channels)) then
+         deallocate (self%channels)
+         self%width = 0
+      end if
       if (self%file == no_id) return
       call self%write_samples(error)
       if (.not. (allocated(error) .or. self%failed)) then
@@ -420,8 +435,8 @@ contains
       call close_file(self%path, self%file, close_error)
       if (allocated(close_error) .and. .not. allocated(error)) call move_alloc(close_error, error)
       self%failed = self%failed .or. allocated(error)
-      if (self%failed .and. .not. self%in_memory) call self%names%drop()
-      if (.not. (self%failed .or. self%in_memory)) call self%names%put_in_place(error)
+      if (self%failed) call self%names%drop()
+      if (.not. self%failed) call self%names%put_in_place(error)
       if (.not. (self%failed .or. allocated(error))) self%safe = self%samples
       deallocate (self%channels)
       if (allocated(self%buffer)) deallocate (self%buffer, self%times)
@@ -444,6 +459,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(series_type) :: series
       character(:), allocatable :: path
+      if (self%unkept) return
       path = '/'//group//'/'//name
       call create_group(self%file, '/'//group, error)
       if (.not. allocated(error)) &
@@ -465,6 +481,7 @@ contains
       integer, intent(in) :: steps(:)
       !> Allocated if it cannot be written
       type(error_type), allocatable, intent(out) :: error
+      if (self%unkept) return
       ! Of a run that goes on: the time must not point to what is replaced
       if (object_exists(self%file, '/step')) call detach_scale(self%file, '/step', self%time%id)
       call self%put_integer('/step', steps, 'number of the analysis', error)

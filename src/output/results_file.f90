@@ -16,6 +16,8 @@ module limber_output_results_file
    type, extends(sink_type), abstract :: results_type
       !> Of HDF5; `no_id`: not open
       integer(hid_t) :: file = no_id
+      !> Whether there is no file: nothing is written, and only what the sink sums up stays
+      logical :: unkept = .false.
    contains
       procedure :: put_group, put_text, put_axis, put_integer
       !> `put_real(path, value, units, long_name, error)`: value (:) or (:, :), which h5py sees transposed
@@ -37,6 +39,7 @@ contains
       character(*), intent(in) :: path
       !> Allocated if it cannot be written
       type(error_type), allocatable, intent(out) :: error
+      if (self%unkept) return
       call create_group(self%file, path, error)
    end subroutine put_group
 
@@ -55,6 +58,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       integer(hid_t) :: scale
       integer :: i, ignored
+      if (self%unkept) return
       call self%put_integer(path, [(i, i=1, n)], long_name, error)
       if (allocated(error)) return
       call open_scale(self%file, path, .true., scale, error)
@@ -75,6 +79,7 @@ contains
       character(*), intent(in) :: text
       !> Allocated if it cannot be written
       type(error_type), allocatable, intent(out) :: error
+      if (self%unkept) return
       call write_dataset(self%file, path, text, error)
    end subroutine put_text
 
@@ -90,6 +95,7 @@ contains
       character(*), intent(in) :: long_name
       !> Allocated if it cannot be written
       type(error_type), allocatable, intent(out) :: error
+      if (self%unkept) return
       call write_dataset(self%file, path, value, error)
       if (.not. allocated(error)) call write_attribute(self%file, path, 'long_name', long_name, error)
    end subroutine put_integer
@@ -99,6 +105,7 @@ contains
       character(*), intent(in) :: path, units, long_name
       real(wp), intent(in) :: value(:)
       type(error_type), allocatable, intent(out) :: error
+      if (self%unkept) return
       call write_dataset(self%file, path, value, error)
       if (.not. allocated(error)) call write_attribute(self%file, path, 'units', units, error)
       if (.not. allocated(error)) call write_attribute(self%file, path, 'long_name', long_name, error)
@@ -109,6 +116,7 @@ contains
       character(*), intent(in) :: path, units, long_name
       real(wp), intent(in) :: value(:, :)
       type(error_type), allocatable, intent(out) :: error
+      if (self%unkept) return
       call write_dataset(self%file, path, value, error)
       if (.not. allocated(error)) call write_attribute(self%file, path, 'units', units, error)
       if (.not. allocated(error)) call write_attribute(self%file, path, 'long_name', long_name, error)
@@ -119,6 +127,7 @@ contains
       character(*), intent(in) :: path, name
       character(*), intent(in) :: value
       type(error_type), allocatable, intent(out) :: error
+      if (self%unkept) return
       call write_attribute(self%file, path, name, value, error)
    end subroutine put_attribute_text
 
@@ -127,6 +136,7 @@ contains
       character(*), intent(in) :: path, name
       integer, intent(in) :: value
       type(error_type), allocatable, intent(out) :: error
+      if (self%unkept) return
       call write_attribute(self%file, path, name, value, error)
    end subroutine put_attribute_integer
 
@@ -135,6 +145,7 @@ contains
       character(*), intent(in) :: path, name
       integer(long), intent(in) :: value
       type(error_type), allocatable, intent(out) :: error
+      if (self%unkept) return
       call write_attribute(self%file, path, name, value, error)
    end subroutine put_attribute_long
 
@@ -143,6 +154,7 @@ contains
       character(*), intent(in) :: path, name
       real(wp), intent(in) :: value
       type(error_type), allocatable, intent(out) :: error
+      if (self%unkept) return
       call write_attribute(self%file, path, name, value, error)
    end subroutine put_attribute_real
 
@@ -151,6 +163,7 @@ contains
       character(*), intent(in) :: path, name
       real(wp), intent(in) :: value(:)
       type(error_type), allocatable, intent(out) :: error
+      if (self%unkept) return
       call write_attribute(self%file, path, name, value, error)
    end subroutine put_attribute_reals
 

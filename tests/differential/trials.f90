@@ -90,7 +90,7 @@ contains
       end do
       call history%memory%start(size(scene%system%model%channels), samples + 100, huge(1.0_wp))
       call history%watch_limit(patience)
-      call open_history(scene, 'scene.h5', .true., history%history_type, error, in_memory=.true.)
+      call open_history(scene, 'scene.h5', .true., history%history_type, error, unkept=.true.)
       if (.not. allocated(error)) call run_steps(scene, 'scene.inp', .true., history, passed, outcome, statistics, lines, error)
       call record_steps(scene, passed, history%history_type, ignored)
       call cpu_time(trial%cpu)

@@ -320,7 +320,7 @@ contains
       write (unit) text
       close (unit)
       if (.not. allocated(tally%batch%overrides)) allocate (tally%batch%overrides(0))
-      tally%batch%in_memory = .true.
+      tally%batch%unkept = .true.
       tally%batch%limit = moment
       call run_one('fuzz.inp', 'fuzz.h5', .true., .true., tally%batch, report, error)
       if (.not. allocated(error)) then

@@ -36,7 +36,7 @@ contains
       if (name == 'dynamics') write (unit, '(a)') '*TORQUE, NAME=push, BODY=rod', ' sin(t)'
       close (unit)
       allocate (batch%overrides(0))
-      batch%in_memory = .true.
+      batch%unkept = .true.
       batch%limit = merge(0.02_wp, 1.0e-9_wp, name == 'dynamics')
       call run_one(trim(path)//'.inp', trim(path), .true., .true., batch, report, error)
       call check(allocated(error), name//' is given up')

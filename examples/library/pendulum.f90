@@ -25,4 +25,5 @@ program pendulum
       end associate
    end if
    if (allocated(error)) print '(a)', error%message
+   if (allocated(values)) deallocate (values)
 end program pendulum

@@ -51,7 +51,7 @@ class Inputs(collections.abc.Mapping):
         return self._values[name]
 
     def __setitem__(self, name, value):
-        self._run._check(library.limber_set_input(self._run._handle, name.encode(), float(value)))
+        self._run._check(library.limber_set_input(self._run._open(), name.encode(), float(value)))
         self._values[name] = float(value)
 
     def __iter__(self):

@@ -12,6 +12,7 @@ module limber_analysis_contacts
    use limber_analysis_switched_start, only: set_states
    use limber_integrator_integrator, only: integrator_type
    use limber_multibody_contact_impulses, only: gap_set_type, read_gaps, new_gap_set, lift_gaps, speeds_at
+   use limber_multibody_equations_of_motion, only: mechanical_energy
    use limber_multibody_projection, only: settle
    use limber_multibody_switching, only: set_switches, find_redundant
    use limber_multibody_system, only: system_type, number_of_contacts
@@ -271,7 +272,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(gap_set_type) :: set
       type(impact_type) :: impact
-      real(wp) :: gap(size(closed)), rate(size(closed)), scale(size(closed)), residual
+      real(wp) :: gap(size(closed)), rate(size(closed)), scale(size(closed)), residual, kinetic(2), potential
       integer, allocatable :: list(:)
       integer :: i
       associate (system => scene%system, work => scene%work)
@@ -285,8 +286,9 @@ contains
          allocate (impact%before(size(list)), impact%noise(size(list)))
          impact%before = rate(list)
          impact%noise = merge(self%tolerance, round_off, closed(list))*speeds_at(system, work, set, sample%v)
-         call find_impact(system, work, set, sample%q, system%model%contacts(list)%restitution, low*scale(list), &
-            & .not. self%opens(list), sample%v, impact)
+         call mechanical_energy(system, work, sample%q, sample%v, kinetic(1), potential)
+         call find_impact(system, work, set, sample%q, system%model%contacts(list)%restitution, &
+            & height_of_rest(system%model%contacts(list)%restitution)*scale(list), .not. self%opens(list), sample%v, impact)
          if (.not. impact%solved) then
             call refuse(system, t, list(minloc(rate(list), dim=1)), error)
             return
@@ -296,7 +298,13 @@ contains
             call note_contact(self, events, system, t, list(i), closed(list(i)), low*scale(list(i)), set%mobility(i, i), &
                & impact, i, outcome)
          end do
-         sample%w = sample%w + sum(impact%energies())
+         if (size(system%model%drivers) > 0) then
+            ! Drivers take a part of the impulse
+            call mechanical_energy(system, work, sample%q, sample%v, kinetic(2), potential)
+            sample%w = sample%w + kinetic(2) - kinetic(1)
+         else
+            sample%w = sample%w + sum(impact%energies())
+         end if
          recorder%lost(list) = recorder%lost(list) - impact%energies()
          self%hold = minval(self%rest)
          self%until = huge(t)
@@ -304,6 +312,16 @@ contains
          if (any(touched)) call count_impact(self, system, t, findloc(touched, .true., dim=1), error)
       end associate
    end subroutine strike
+
+   !> Height of bounces that count as rest, in doubts about a gap. The doubt lifts a body at each bounce; above this bounces lose
+   !> more than that.
+   elemental real(wp) function height_of_rest(restitution) result(height)
+      real(wp), intent(in) :: restitution
+      !> In the ratio of what is lifted to what is lost; least loss that is counted on
+      real(wp), parameter :: lifted = 4.0_wp, least_loss = 1.0e-4_wp
+      height = low
+      if (restitution < 1.0_wp) height = max(low, lifted/max(least_loss, 1 - restitution**2))
+   end function height_of_rest
 
    !> Notes what a contact does: a row of the events if it strikes, closes or opens.
    subroutine note_contact(self, events, system, t, contact, was_closed, height, mobility, impact, i, outcome)

@@ -1,5 +1,5 @@
 !> A lock of the process: one thread at a time computes. gfortran keeps lengths of texts that functions return, and ARPACK what it
-!> iterates, in variables that all threads share. Floor: base.
+!> iterates, in variables that all threads share. Procedures that threads enter before they have it are recursive. Floor: base.
 module limber_base_lock
    use, intrinsic :: iso_c_binding, only: c_int, c_int64_t, c_loc, c_ptr
    implicit none
@@ -23,13 +23,13 @@ module limber_base_lock
 contains
 
    !> Waits until no other thread has the lock, and takes it. A thread that has it must not take it again.
-   subroutine take_lock()
+   recursive subroutine take_lock()
       integer(c_int) :: ignored
       ignored = c_mutex_lock(c_loc(mutex))
    end subroutine take_lock
 
    !> Lets the next thread go on.
-   subroutine release_lock()
+   recursive subroutine release_lock()
       integer(c_int) :: ignored
       ignored = c_mutex_unlock(c_loc(mutex))
    end subroutine release_lock

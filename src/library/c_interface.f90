@@ -37,6 +37,9 @@ module limber_library_c_interface
    !> The version, for as long as the process lives
    character(kind=c_char), target :: own_version(len(version) + 1) = ' '
 
+   !> An empty list
+   type(legend_type), target :: no_legend
+
    interface
       integer(c_size_t) function c_strlen(text) bind(c, name='strlen')
          import :: c_ptr, c_size_t
@@ -53,7 +56,7 @@ module limber_library_c_interface
 contains
 
    !> limber_version
-   type(c_ptr) function version_of_library() bind(c, name='limber_version') result(text)
+   recursive type(c_ptr) function version_of_library() bind(c, name='limber_version') result(text)
       integer :: i
       call take_lock()
       do i = 1, len(version)
@@ -65,7 +68,7 @@ contains
    end function version_of_library
 
    !> limber_open
-   type(c_ptr) function open_file(path, settings) bind(c, name='limber_open') result(pointer)
+   recursive type(c_ptr) function open_file(path, settings) bind(c, name='limber_open') result(pointer)
       type(c_ptr), value :: path, settings
       type(handle_type), pointer :: handle
       type(override_type), allocatable :: overrides(:)
@@ -80,7 +83,7 @@ contains
    end function open_file
 
    !> limber_open_text
-   type(c_ptr) function open_text(text, name, settings) bind(c, name='limber_open_text') result(pointer)
+   recursive type(c_ptr) function open_text(text, name, settings) bind(c, name='limber_open_text') result(pointer)
       type(c_ptr), value :: text, name, settings
       type(handle_type), pointer :: handle
       type(override_type), allocatable :: overrides(:)
@@ -95,7 +98,7 @@ contains
    end function open_text
 
    !> limber_close
-   subroutine close_run(pointer) bind(c, name='limber_close')
+   recursive subroutine close_run(pointer) bind(c, name='limber_close')
       type(c_ptr), value :: pointer
       type(handle_type), pointer :: handle
       if (.not. c_associated(pointer)) return
@@ -106,7 +109,7 @@ contains
    end subroutine close_run
 
    !> limber_status
-   integer(c_int) function status_of(pointer) bind(c, name='limber_status') result(status)
+   recursive integer(c_int) function status_of(pointer) bind(c, name='limber_status') result(status)
       type(c_ptr), value :: pointer
       type(handle_type), pointer :: handle
       call c_f_pointer(pointer, handle)
@@ -114,7 +117,7 @@ contains
    end function status_of
 
    !> limber_error
-   type(c_ptr) function error_of(pointer) bind(c, name='limber_error') result(text)
+   recursive type(c_ptr) function error_of(pointer) bind(c, name='limber_error') result(text)
       type(c_ptr), value :: pointer
       type(handle_type), pointer :: handle
       call c_f_pointer(pointer, handle)
@@ -122,7 +125,7 @@ contains
    end function error_of
 
    !> limber_warnings
-   type(c_ptr) function warnings_of(pointer) bind(c, name='limber_warnings') result(text)
+   recursive type(c_ptr) function warnings_of(pointer) bind(c, name='limber_warnings') result(text)
       type(c_ptr), value :: pointer
       type(handle_type), pointer :: handle
       call take_lock()
@@ -133,7 +136,7 @@ contains
    end function warnings_of
 
    !> limber_advance
-   integer(c_int) function advance(pointer, t) bind(c, name='limber_advance') result(status)
+   recursive integer(c_int) function advance(pointer, t) bind(c, name='limber_advance') result(status)
       type(c_ptr), value :: pointer
       real(c_double), value :: t
       type(handle_type), pointer :: handle
@@ -149,13 +152,13 @@ contains
    end function advance
 
    !> limber_finish
-   integer(c_int) function finish(pointer) bind(c, name='limber_finish') result(status)
+   recursive integer(c_int) function finish(pointer) bind(c, name='limber_finish') result(status)
       type(c_ptr), value :: pointer
       status = advance(pointer, huge(1.0_c_double))
    end function finish
 
    !> limber_time
-   real(c_double) function time_of(pointer) bind(c, name='limber_time') result(t)
+   recursive real(c_double) function time_of(pointer) bind(c, name='limber_time') result(t)
       type(c_ptr), value :: pointer
       type(handle_type), pointer :: handle
       call c_f_pointer(pointer, handle)
@@ -163,7 +166,7 @@ contains
    end function time_of
 
    !> limber_end_time
-   real(c_double) function end_of(pointer) bind(c, name='limber_end_time') result(t)
+   recursive real(c_double) function end_of(pointer) bind(c, name='limber_end_time') result(t)
       type(c_ptr), value :: pointer
       type(handle_type), pointer :: handle
       call c_f_pointer(pointer, handle)
@@ -171,7 +174,7 @@ contains
    end function end_of
 
    !> limber_is_complete
-   integer(c_int) function is_complete(pointer) bind(c, name='limber_is_complete') result(answer)
+   recursive integer(c_int) function is_complete(pointer) bind(c, name='limber_is_complete') result(answer)
       type(c_ptr), value :: pointer
       type(handle_type), pointer :: handle
       call c_f_pointer(pointer, handle)
@@ -179,7 +182,7 @@ contains
    end function is_complete
 
    !> limber_time_unit
-   type(c_ptr) function unit_of_time(pointer) bind(c, name='limber_time_unit') result(text)
+   recursive type(c_ptr) function unit_of_time(pointer) bind(c, name='limber_time_unit') result(text)
       type(c_ptr), value :: pointer
       type(handle_type), pointer :: handle
       call c_f_pointer(pointer, handle)
@@ -187,18 +190,17 @@ contains
    end function unit_of_time
 
    !> limber_count
-   integer(c_int) function count_of(pointer, list) bind(c, name='limber_count') result(number)
+   recursive integer(c_int) function count_of(pointer, list) bind(c, name='limber_count') result(number)
       type(c_ptr), value :: pointer
       integer(c_int), value :: list
       type(legend_type), pointer :: legend
       call find_legend(pointer, list, legend)
       number = 0
-      if (.not. associated(legend)) return
       if (allocated(legend%names)) number = size(legend%names, kind=c_int)
    end function count_of
 
    !> limber_name
-   type(c_ptr) function name_of(pointer, list, index) bind(c, name='limber_name') result(text)
+   recursive type(c_ptr) function name_of(pointer, list, index) bind(c, name='limber_name') result(text)
       type(c_ptr), value :: pointer
       integer(c_int), value :: list, index
       type(legend_type), pointer :: legend
@@ -207,7 +209,7 @@ contains
    end function name_of
 
    !> limber_unit
-   type(c_ptr) function unit_of(pointer, list, index) bind(c, name='limber_unit') result(text)
+   recursive type(c_ptr) function unit_of(pointer, list, index) bind(c, name='limber_unit') result(text)
       type(c_ptr), value :: pointer
       integer(c_int), value :: list, index
       type(legend_type), pointer :: legend
@@ -216,7 +218,7 @@ contains
    end function unit_of
 
    !> limber_meaning
-   type(c_ptr) function meaning_of(pointer, list, index) bind(c, name='limber_meaning') result(text)
+   recursive type(c_ptr) function meaning_of(pointer, list, index) bind(c, name='limber_meaning') result(text)
       type(c_ptr), value :: pointer
       integer(c_int), value :: list, index
       type(legend_type), pointer :: legend
@@ -225,7 +227,7 @@ contains
    end function meaning_of
 
    !> limber_values
-   integer(c_int) function values_of(pointer, values) bind(c, name='limber_values') result(status)
+   recursive integer(c_int) function values_of(pointer, values) bind(c, name='limber_values') result(status)
       type(c_ptr), value :: pointer, values
       type(handle_type), pointer :: handle
       type(error_type), allocatable :: error
@@ -242,7 +244,7 @@ contains
    end function values_of
 
    !> limber_sample_count
-   integer(c_int) function number_of_samples(pointer) bind(c, name='limber_sample_count') result(number)
+   recursive integer(c_int) function number_of_samples(pointer) bind(c, name='limber_sample_count') result(number)
       type(c_ptr), value :: pointer
       type(handle_type), pointer :: handle
       call take_lock()
@@ -253,7 +255,7 @@ contains
    end function number_of_samples
 
    !> limber_samples
-   subroutine samples_of(pointer, times, values) bind(c, name='limber_samples')
+   recursive subroutine samples_of(pointer, times, values) bind(c, name='limber_samples')
       type(c_ptr), value :: pointer, times, values
       type(handle_type), pointer :: handle
       real(c_double), pointer :: room_for_times(:), room(:, :)
@@ -271,7 +273,7 @@ contains
    end subroutine samples_of
 
    !> limber_scalars
-   subroutine scalars_of(pointer, values) bind(c, name='limber_scalars')
+   recursive subroutine scalars_of(pointer, values) bind(c, name='limber_scalars')
       type(c_ptr), value :: pointer, values
       type(handle_type), pointer :: handle
       real(c_double), pointer :: room(:)
@@ -285,7 +287,7 @@ contains
    end subroutine scalars_of
 
    !> limber_state
-   subroutine state_of(pointer, q, v) bind(c, name='limber_state')
+   recursive subroutine state_of(pointer, q, v) bind(c, name='limber_state')
       type(c_ptr), value :: pointer, q, v
       type(handle_type), pointer :: handle
       real(c_double), pointer :: room(:)
@@ -301,7 +303,7 @@ contains
    end subroutine state_of
 
    !> limber_set_input
-   integer(c_int) function set_input(pointer, name, value) bind(c, name='limber_set_input') result(status)
+   recursive integer(c_int) function set_input(pointer, name, value) bind(c, name='limber_set_input') result(status)
       type(c_ptr), value :: pointer, name
       real(c_double), value :: value
       type(handle_type), pointer :: handle
@@ -317,7 +319,7 @@ contains
    end function set_input
 
    !> limber_save
-   integer(c_size_t) function save_state(pointer, buffer, size_of_buffer) bind(c, name='limber_save') result(bytes)
+   recursive integer(c_size_t) function save_state(pointer, buffer, size_of_buffer) bind(c, name='limber_save') result(bytes)
       type(c_ptr), value :: pointer, buffer
       integer(c_size_t), value :: size_of_buffer
       type(handle_type), pointer :: handle
@@ -341,7 +343,7 @@ contains
    end function save_state
 
    !> limber_restore
-   integer(c_int) function restore_state(pointer, buffer, bytes) bind(c, name='limber_restore') result(status)
+   recursive integer(c_int) function restore_state(pointer, buffer, bytes) bind(c, name='limber_restore') result(status)
       type(c_ptr), value :: pointer, buffer
       integer(c_size_t), value :: bytes
       type(handle_type), pointer :: handle
@@ -363,7 +365,7 @@ contains
    end function restore_state
 
    !> Takes note of what came of opening a deck, and of the names that it has.
-   subroutine finish_opening(handle, error)
+   recursive subroutine finish_opening(handle, error)
       type(handle_type), intent(inout) :: handle
       type(error_type), allocatable, intent(in) :: error
       integer :: i, n
@@ -396,7 +398,7 @@ contains
    end subroutine finish_opening
 
    !> Names of the coordinates: of a body NAME the place of its frame, its direction, and its deflections.
-   subroutine name_coordinates(handle)
+   recursive subroutine name_coordinates(handle)
       type(handle_type), intent(inout) :: handle
       character(*), parameter :: frame(4) = [character(4) :: '.x', '.y', '.cos', '.sin']
       integer :: i, k, n
@@ -418,7 +420,7 @@ contains
    end subroutine name_coordinates
 
    !> Makes a list of empty texts.
-   subroutine start_legend(legend, count)
+   recursive subroutine start_legend(legend, count)
       type(legend_type), intent(inout) :: legend
       integer, intent(in) :: count
       integer :: i
@@ -430,8 +432,8 @@ contains
       end do
    end subroutine start_legend
 
-   !> The list that a number of limber.h stands for; not associated if there is none.
-   subroutine find_legend(pointer, list, legend)
+   !> The list that a number of limber.h stands for; an empty one if it stands for none.
+   recursive subroutine find_legend(pointer, list, legend)
       type(c_ptr), intent(in) :: pointer
       integer(c_int), intent(in) :: list
       type(legend_type), pointer, intent(out) :: legend
@@ -442,12 +444,12 @@ contains
       case (1); legend => handle%scalars
       case (2); legend => handle%coordinates
       case (3); legend => handle%inputs
-      case default; legend => null()
+      case default; legend => no_legend
       end select
    end subroutine find_legend
 
    !> A text of a list; the empty text of the time where the index, from 0, is none.
-   type(c_ptr) function letters_of(pointer, texts, index) result(text)
+   recursive type(c_ptr) function letters_of(pointer, texts, index) result(text)
       type(c_ptr), intent(in) :: pointer
       type(c_text_type), allocatable, target, intent(in) :: texts(:)
       integer(c_int), intent(in) :: index
@@ -459,13 +461,13 @@ contains
    end function letters_of
 
    !> Whether a run can be used; else its status says so.
-   logical function is_open(handle)
+   recursive logical function is_open(handle)
       type(handle_type), intent(in) :: handle
       is_open = allocated(handle%channels%names)
    end function is_open
 
    !> Takes note of an error, or of none.
-   subroutine note(handle, error)
+   recursive subroutine note(handle, error)
       type(handle_type), intent(inout) :: handle
       type(error_type), allocatable, intent(in) :: error
       handle%status = 0
@@ -478,7 +480,7 @@ contains
    end subroutine note
 
    !> Values of parameters, `name=value`, one a line.
-   subroutine read_settings(text, overrides, error)
+   recursive subroutine read_settings(text, overrides, error)
       character(*), intent(in) :: text
       type(override_type), allocatable, intent(out) :: overrides(:)
       type(error_type), allocatable, intent(out) :: error
@@ -506,7 +508,7 @@ contains
    end subroutine read_settings
 
    !> A text of C; empty for a null pointer.
-   function fortran_text(pointer) result(text)
+   recursive function fortran_text(pointer) result(text)
       type(c_ptr), intent(in) :: pointer
       character(:), allocatable :: text
       character(kind=c_char), pointer :: letters(:)
@@ -523,7 +525,7 @@ contains
    end function fortran_text
 
    !> Makes a text one of C.
-   subroutine set_text(to, text)
+   recursive subroutine set_text(to, text)
       type(c_text_type), intent(inout) :: to
       character(*), intent(in) :: text
       integer :: i

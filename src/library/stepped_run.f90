@@ -299,6 +299,12 @@ contains
             self%has_failed = .true.
             self%failure = self%path//': '//error%message
             error%message = self%failure
+            ! What is shown is the last sample
+            if (allocated(self%values)) deallocate (self%values)
+            if (allocated(self%scene%last%q)) then
+               self%q = self%scene%last%q
+               self%v = self%scene%last%v
+            end if
             self%time = max(self%time, min(t, reached))
             if (self%store%count > 0) self%time = max(self%time, min(t, self%store%times(self%store%count)))
          end if

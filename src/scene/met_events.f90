@@ -172,10 +172,18 @@ contains
       impacts = count(mask .and. self%impulses() > 0.0_wp)
       text = ', '//as_text(impacts)//' impact'
       if (impacts /= 1) text = text//'s'
-      text = text//', the energy changed by '//as_text(sum(self%energies(), mask=mask), 6)
-      if (any(mask .and. self%turns() > 0)) text = text//', at rest '//as_text(count(mask .and. self%turns() > 0))//' times'
-      if (any(mask .and. self%turns() < 0)) text = text//', opened '//as_text(count(mask .and. self%turns() < 0))//' times'
+      text = text//' that lost '//as_text(-sum(self%energies(), mask=mask), 6)//' of energy'
+      if (any(mask .and. self%turns() > 0)) text = text//', at rest '//number_of_times(count(mask .and. self%turns() > 0))
+      if (any(mask .and. self%turns() < 0)) text = text//', opened '//number_of_times(count(mask .and. self%turns() < 0))
    end function told_contact
+
+   !> A number of times in words.
+   pure function number_of_times(number) result(text)
+      integer, intent(in) :: number
+      character(:), allocatable :: text
+      text = as_text(number)//' times'
+      if (number == 1) text = 'once'
+   end function number_of_times
 
    !> What turns of a switch have changed; empty if no switch was turned.
    pure function told_turns(self, mask) result(text)

@@ -380,7 +380,8 @@ contains
          outcome%summed = t
       end if
       call mechanical_energy(scene%system, scene%work, sample%q, sample%v, kinetic, potential)
-      if (outcome%samples == 0) outcome%first_energy = kinetic + potential
+      ! An impact at the start has done work already
+      if (outcome%samples == 0) outcome%first_energy = kinetic + potential - sample%w
       if (outcome%samples == 0) outcome%first_potential = potential
       outcome%last_energy = kinetic + potential
       if (.not. allocated(outcome%net_work)) outcome%work_before = outcome%work

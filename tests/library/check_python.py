@@ -76,6 +76,7 @@ def check_package():
         check(numpy.array_equal(other.samples()["x"], whole[3:]), "bits from a state in another run")
         check(run.units["y"] == "m" and run.meanings["y"], "units and meanings")
     raises(ValueError, "closed", lambda: run.time)
+    raises(ValueError, "closed", lambda: run.inputs.__setitem__("u", 1.0))
 
     # A controller
     deck = root / "examples" / "library" / "controlled_arm.inp"

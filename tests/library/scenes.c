@@ -130,6 +130,7 @@ static void check_errors(void)
   check(limber_restore(run, values, 0) == LIMBER_REFUSED, "a state that is none");
   check(limber_name(run, LIMBER_CHANNELS, -1)[0] == 0 && limber_name(run, LIMBER_CHANNELS, 4)[0] == 0, "names beyond the list");
   check(limber_count(run, 7) == 0, "a list that there is not");
+  check(limber_name(run, 7, 0)[0] == 0 && limber_unit(run, -1, 0)[0] == 0 && limber_meaning(run, 4, 0)[0] == 0, "names of no list");
   check(limber_advance(run, 2.0) == LIMBER_OK && limber_time(run) == 2.0, "errors of calls leave the run as it is");
   limber_close(run);
 

@@ -43,6 +43,16 @@ program test_rigid_stops
    call check_refusals()
    call check_elastic('1e-6', 1.0e-5_wp, 1.0e-4_wp)
    call check_elastic('1e-9', 1.0e-9_wp, 1.0e-8_wp)
+   tolerance = '1e-6'
+   do i = 1, size(integrators)
+      call check_many('0.99', trim(integrators(i)))
+      call check_many('0.997', trim(integrators(i)))
+   end do
+   call check_energy('a driven table', '*POINT MASS, NAME=tab, MASS=1, VY=0.5'//nl//rail('jt', 'tab')// &
+      & '*DRIVER, NAME=m, TYPE=DISPLACEMENT, JOINT=jt'//nl//' 0.5*t'//nl//'*POINT MASS, NAME=b, MASS=1, Y=1, VY=-1'//nl// &
+      & rail('jb', 'b')//'*STOP, NAME=s, AXIS=90 deg, LEAST=0, LAW=RIGID, RESTITUTION=0.5'//nl//' b, tab'//nl, 9/32.0_wp)
+   call check_energy('a start on the limit', '*GRAVITY, X=0, Y=-9.81'//nl//'*POINT MASS, NAME=b, MASS=1, Y=1, VY=-2'//nl// &
+      & '*STOP, NAME=s, AXIS=90 deg, LAW=RIGID, LEAST=1, RESTITUTION=0.5'//nl//' b, ground.origin'//nl, -2.0_wp)
    call finish()
 
 contains
@@ -559,6 +569,64 @@ contains
       end do
    end subroutine check_all
 
+   !> Restitution near one: the bounces of a ball end at (1 + e)/(1 - e) times the first instant, and all energy is lost.
+   subroutine check_many(restitution, integrator)
+      character(*), intent(in) :: restitution, integrator
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: t(:), turned(:), lost(:), speed(:), closed(:)
+      character(:), allocatable :: name
+      real(wp) :: e, end
+      integer :: n
+      read (restitution, *) e
+      end = sqrt(2/g)*(1 + e)/(1 - e)
+      name = integrator//', bounces of '//restitution
+      call run_scene('*GRAVITY, X=0, Y=-9.81'//nl//'*POINT MASS, NAME=b, MASS=1, Y=1'//nl// &
+         & '*STOP, NAME=s, AXIS=90 deg, LAW=RIGID, LEAST=0, RESTITUTION='//restitution//nl//' b, ground.origin'//nl, &
+         & integrator, 'END=310, OUTPUTS=31', ' vy(b), closed(s), lost(s)', reader)
+      t = numbers(reader, '/events/time')
+      turned = numbers(reader, '/events/turned')
+      n = size(t)
+      call check(n < 10000 .and. nint(turned(n)) == 1, name//': rests at last')
+      call check_close(t(n)/end, 1.0_wp, 1.0e-5_wp, name//': end')
+      speed = channel(reader, 'vy_b')
+      closed = channel(reader, 'closed_s')
+      lost = channel(reader, 'lost_s')
+      call check(nint(closed(32)) == 1 .and. abs(speed(32)) < 1.0e-12_wp, name//': at rest')
+      call check_close(lost(32), g, 1.0e-4_wp*g, name//': energy lost')
+      call reader%close()
+   end subroutine check_many
+
+   !> Work and energy across an impact, without a warning: drivers take their part of the impulse, and one at the start counts.
+   subroutine check_energy(label, scene, work)
+      character(*), intent(in) :: label, scene
+      !> Change of the energy by impact and drivers
+      real(wp), intent(in) :: work
+      type(error_type), allocatable :: error
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: w(:), e(:)
+      character(:), allocatable :: report
+      integer :: i
+      do i = 1, size(integrators)
+         call run_text(scene//'*DYNAMICS, END=0.8, OUTPUTS=8, TOLERANCE=1e-8, INTEGRATOR='//trim(integrators(i))//nl// &
+            & '*OUTPUT'//nl//' w = work(system), e = kinetic_energy(system) + potential_energy(system)'//nl, trim(results), &
+            & report, error)
+         call check_no_error(error, label)
+         call check(index(report, 'warning') == 0, label//', '//trim(integrators(i))//': '//report)
+         call reader%open(trim(results), error)
+         w = channel(reader, 'w')
+         e = channel(reader, 'e')
+         call check_close(w(9), work, 1.0e-6_wp, label//', '//trim(integrators(i))//': work')
+         call check_close(e(9) - e(1), w(9) - w(1), 1.0e-6_wp, label//', '//trim(integrators(i))//': energy')
+         call reader%close()
+      end do
+   end subroutine check_energy
+
+   function rail(name, mass) result(text)
+      character(*), intent(in) :: name, mass
+      character(:), allocatable :: text
+      text = '*JOINT, NAME='//name//', TYPE=POINT ON LINE, ANGLE=90 deg'//nl//' '//mass//', ground.origin'//nl
+   end function rail
+
    !> Numbers of a dataset; none if it is not there.
    function numbers(reader, path) result(values)
       type(history_reader_type), intent(in) :: reader
@@ -569,7 +637,6 @@ contains
       call check_no_error(error, path)
       if (.not. allocated(values)) allocate (values(0))
    end function numbers
-
    subroutine run_scene(scene, integrator, options, output, reader)
       !> Blocks; options of *DYNAMICS; lines of *OUTPUT
       character(*), intent(in) :: scene, integrator, options, output

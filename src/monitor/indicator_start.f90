@@ -513,7 +513,7 @@ contains
                   & spread_out(k)%part)
             end if
             own = contacts(i)%hold
-            if (own == hold_clamp .and. .not. keeps_angle(system, contacts(i)%partner)) own = hold_some
+            if (own == hold_clamp) own = merge(hold_clamp, hold_some, keeps_angle(system, contacts(i)%partner))
             if (own == hold_hinge .and. found_hold(k) /= hold_none) own = found_hold(k)
             if (own == hold_some .and. found_hold(k) == hold_clamp) own = hold_clamp
             if (own > hold_none) found_hold(k) = own

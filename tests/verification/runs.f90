@@ -7,7 +7,7 @@ module runs
    use testing, only: check, check_no_error
    implicit none
    private
-   public :: run_changed, run_text, change_deck, contents, channel, check_warning, read_columns
+   public :: run_changed, run_text, change_deck, contents, channel, numbers, check_warning, read_columns
 
 contains
 
@@ -26,6 +26,17 @@ contains
       call check_no_error(error, path//': results')
       call check(reader%complete, path//' is marked complete')
    end subroutine run_changed
+
+   !> Numbers of a dataset; none if it is not there.
+   function numbers(reader, path) result(values)
+      type(history_reader_type), intent(in) :: reader
+      character(*), intent(in) :: path
+      real(wp), allocatable :: values(:)
+      type(error_type), allocatable :: error
+      call reader%read_numbers(path, values, error)
+      call check_no_error(error, path)
+      if (.not. allocated(values)) allocate (values(0))
+   end function numbers
 
    !> Checks that a run has a warning with a text, or none.
    subroutine check_warning(reader, warning, name)

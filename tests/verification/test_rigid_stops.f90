@@ -7,7 +7,7 @@ program test_rigid_stops
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_output_history_reader, only: history_reader_type
-   use runs, only: run_text, run_changed, channel
+   use runs, only: numbers, run_text, run_changed, channel
    use testing, only: check, check_close, check_no_error, finish
    implicit none
 
@@ -627,16 +627,7 @@ contains
       text = '*JOINT, NAME='//name//', TYPE=POINT ON LINE, ANGLE=90 deg'//nl//' '//mass//', ground.origin'//nl
    end function rail
 
-   !> Numbers of a dataset; none if it is not there.
-   function numbers(reader, path) result(values)
-      type(history_reader_type), intent(in) :: reader
-      character(*), intent(in) :: path
-      real(wp), allocatable :: values(:)
-      type(error_type), allocatable :: error
-      call reader%read_numbers(path, values, error)
-      call check_no_error(error, path)
-      if (.not. allocated(values)) allocate (values(0))
-   end function numbers
+   !> Runs a scene and opens its results.
    subroutine run_scene(scene, integrator, options, output, reader)
       !> Blocks; options of *DYNAMICS; lines of *OUTPUT
       character(*), intent(in) :: scene, integrator, options, output

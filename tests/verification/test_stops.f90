@@ -5,7 +5,7 @@
 program test_stops
    use limber_base_kinds, only: wp
    use limber_output_history_reader, only: history_reader_type
-   use runs, only: run_text, channel
+   use runs, only: numbers, run_text, channel
    use limber_base_error, only: error_type
    use testing, only: check, check_close, check_no_error, finish
    implicit none
@@ -172,17 +172,6 @@ contains
       call reader%open(trim(results), error)
       call check_no_error(error, 'results')
    end subroutine open_results
-
-   !> Numbers of a dataset; none if it is not there.
-   function numbers(reader, path) result(values)
-      type(history_reader_type), intent(in) :: reader
-      character(*), intent(in) :: path
-      real(wp), allocatable :: values(:)
-      type(error_type), allocatable :: error
-      call reader%read_numbers(path, values, error)
-      call check_no_error(error, path)
-      if (.not. allocated(values)) allocate (values(0))
-   end function numbers
 
    !> A mass of 2 kg at 3 m/s between buffers at 0.2 and 1.5 m: sines of half a period at each.
    subroutine check_buffers(integrator)

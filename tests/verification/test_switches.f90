@@ -7,7 +7,7 @@ program test_switches
    use limber_base_error, only: error_type
    use limber_commands_run, only: run_deck
    use limber_output_history_reader, only: history_reader_type
-   use runs, only: run_text, channel
+   use runs, only: numbers, run_text, channel
    use testing, only: check, check_close, check_no_error, finish
    implicit none
 
@@ -453,17 +453,6 @@ contains
       call check(allocated(error), text)
       if (allocated(error)) call check(index(error%message, text) > 0, text//': '//error%message)
    end subroutine check_refused
-
-   !> Numbers of a dataset; none if it is not there.
-   function numbers(reader, path) result(values)
-      type(history_reader_type), intent(in) :: reader
-      character(*), intent(in) :: path
-      real(wp), allocatable :: values(:)
-      type(error_type), allocatable :: error
-      call reader%read_numbers(path, values, error)
-      call check_no_error(error, path)
-      if (.not. allocated(values)) allocate (values(0))
-   end function numbers
 
    !> Runs a scene, and opens its results.
    subroutine run_scene(scene, integrator, options, output, reader)
